@@ -1,0 +1,88 @@
+"""The thesis robot: it maps without a precise map, and finds its way with what it has."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.cogmap.bounded_space import openings
+from agents.cogmap.exploration import explore
+from agents.cogmap.journeys import travel
+from agents.cogmap.lines import extract_view
+from agents.cogmap.memory import NEWBORN, Mark, Memory
+from agents.cogmap.mfis import Edit
+from agents.cogmap.params import Params
+from agents.cogmap.passing import leave, notice_crossing
+from agents.cogmap.perception import perceive
+from agents.cogmap.recognition import recognise_place
+from agents.cogmap.sketch import draw_sketch
+from agents.cogmap.view import View
+from cogmap_gym.geometry import Pose
+from cogmap_gym.observation import LaserSpec, Observation, RobotSpec
+
+
+class CogMapAgent:
+    """All of the thesis behind the agent protocol: observations in, moves out."""
+
+    def __init__(self, params: Params | None = None) -> None:
+        """Take the parameters; the defaults serve every map."""
+        self.params = params or Params()
+        self.edits: list[Edit] = []
+        self.reset(RobotSpec(), LaserSpec())
+
+    def reset(self, robot: RobotSpec, laser: LaserSpec) -> None:
+        """Begin a new life with this body and this laser, remembering nothing."""
+        self.robot, self.laser = robot, laser
+        self.memory = NEWBORN
+        self.edits = []
+
+    def act(self, observation: Observation) -> NDArray[np.float32]:
+        """One step of the method: perceive, map, recognise, decide."""
+        view = extract_view(observation["scan"], self.laser, self.params.lines)  # 3.2
+        seen = openings(view, self.params.gaps, self.laser.robot_from_laser.position)  # 2
+        odometry = Pose(*(float(v) for v in observation["odometry"]))
+        memory, edits = perceive(  # 3, 4, 5
+            self.memory, view, seen, odometry, self.laser, self.params
+        )
+        crossed = notice_crossing(memory, self.params)
+        if crossed is not None:
+            memory = recognise_place(memory, self.params, last_chance=True)
+            memory = leave(memory, memory.exit(crossed.id), self.params)  # 6, 7, 8
+        memory = recognise_place(memory, self.params)  # closing the loop by association
+        memory = _remember_mark(memory, int(observation["mark"]))
+        memory, action = self._decide(memory, view, int(observation["goal"]))  # 1
+        self.memory = memory
+        self.edits.extend(edits)
+        return action
+
+    def _decide(
+        self, memory: Memory, view: View, goal: int
+    ) -> tuple[Memory, NDArray[np.float32]]:
+        """Explore while there is no goal; else travel to the goal's mark."""
+        mark = memory.mark(goal) if goal else None
+        if mark is None:
+            return explore(
+                replace(memory, route=None, status="exploring"), view, self.robot, self.params
+            )
+        return travel(memory, mark, view, self.robot, self.params)
+
+    def sketch(self) -> dict[str, Any]:
+        """What the robot believes, JSON-able, in MFIS coordinates."""
+        return draw_sketch(self.memory)
+
+    @property
+    def edit_log(self) -> Sequence[Edit]:
+        """Every change of the MFIS so far."""
+        return tuple(self.edits)
+
+
+def _remember_mark(memory: Memory, mark_id: int) -> Memory:
+    """Keep the present spot and its ASR under this number, when there is one."""
+    if mark_id == 0 or memory.mark(mark_id) is not None:
+        return memory
+    mark = Mark(mark_id, memory.stay.place, memory.pose.position)
+    return replace(memory, marks=(*memory.marks, mark))

@@ -1,0 +1,249 @@
+"""What belongs to the space just left: the crossing of an exit, and Algorithm 7."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from agents.cogmap.params import Boundary
+from cogmap_gym.geometry import NO_SEGMENTS, Points, Segments, cross, lengths, midpoints
+
+NO_ROW = -1
+"""The row of what is no blocker itself [1]."""
+SURFACE_SAMPLES = np.array((0.1, 0.5, 0.9))
+"""Where along a surface it is looked at, as shares of its length [1]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Crossing:
+    """The moment a robot left a local space through an exit, in MFIS."""
+
+    exit: Points
+    """(2, 2): the exit crossed, directed so that the space just left is on its left."""
+    point: Points
+    """(2,): where the path meets the exit."""
+    outward: Points
+    """(2,): unit direction of the path there."""
+    position: Points
+    """(2,): where the robot is now, after the crossing."""
+    path: Segments
+    """(M, 2, 2): the pieces of the path inside the space just left, in order."""
+
+
+def find_crossing(path: Points, exit_crossed: Points, slack: float) -> Crossing:
+    """Find where a path last left through an exit (Algorithm 7, steps 1 and 2).
+
+    Args:
+        path: (P, 2), P >= 2, in MFIS, ending beyond the exit.
+        exit_crossed: (2, 2), the two jambs in any order.
+        slack: how far beyond a jamb still counts as crossing [m].
+
+    Returns:
+        The crossing. A path that misses the exit counts as leaving at its end.
+    """
+    steps = np.stack((path[:-1], path[1:]), axis=1)
+    steps = steps[np.hypot(*(steps[:, 1] - steps[:, 0]).T) > 0.0]
+    if len(steps) == 0:
+        steps = np.stack((path[:1], exit_crossed.mean(axis=0)[None]), axis=1)
+    where, share, side = _meetings(steps, exit_crossed, slack)
+    if len(where) == 0:
+        outward = steps[-1, 1] - steps[-1, 0]
+        point, inside = exit_crossed.mean(axis=0), steps
+        turn = float(cross(exit_crossed[1] - exit_crossed[0], steps[:, 0].mean(axis=0) - point))
+    else:
+        k = where[-1]
+        outward = steps[k, 1] - steps[k, 0]
+        point = steps[k, 0] + share[-1] * outward
+        turn = -float(side[-1])
+        inside = _inside(steps, where, share, side)
+    directed = exit_crossed if turn > 0.0 else exit_crossed[::-1]
+    return Crossing(directed.copy(), point, outward / np.hypot(*outward), path[-1], inside)
+
+
+def _meetings(
+    steps: Segments, line: Points, slack: float
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+    """Steps that cross a line: their rows, the share before it, and the sense of crossing."""
+    along = line[1] - line[0]
+    width = float(np.hypot(*along))
+    before, after = cross(along, steps[:, 0] - line[0]), cross(along, steps[:, 1] - line[0])
+    crossing = (before > 0.0) != (after > 0.0)
+    share = before / np.where(crossing, before - after, 1.0)
+    meet = steps[:, 0] + share[:, None] * (steps[:, 1] - steps[:, 0])
+    at = (meet - line[0]) @ along / width
+    rows = np.flatnonzero(crossing & (at > -slack) & (at < width + slack))
+    return rows, share[rows], np.where(after > before, 1.0, -1.0)[rows]
+
+
+def _inside(
+    steps: Segments,
+    where: NDArray[np.int64],
+    share: NDArray[np.float64],
+    side: NDArray[np.float64],
+) -> Segments:
+    """The pieces of the path on the inner side; excursions through the exit are left out."""
+    kept: list[Points] = []
+    is_in = bool(side[0] == side[-1])
+    at = 0
+    for row, step in enumerate(steps):
+        start = step[0]
+        while at < len(where) and where[at] == row:
+            meet = step[0] + share[at] * (step[1] - step[0])
+            if is_in:
+                kept.append(np.array((start, meet)))
+            start, is_in = meet, bool(side[at] != side[-1])
+            at += 1
+        if is_in and at < len(where):
+            kept.append(np.array((start, step[1])))
+    return np.array(kept) if kept else NO_SEGMENTS
+
+
+def seen_after_crossing(
+    surfaces: Segments, crossing: Crossing, params: Boundary
+) -> NDArray[np.bool_]:
+    """Algorithm 7: find new surfaces that came into view after crossing an exit.
+
+    Args:
+        surfaces: (N, 2, 2), in MFIS, untagged.
+        crossing: where the path left (steps 1 and 2).
+        params: the Boundary group.
+
+    Returns:
+        (N,): which surfaces are to be eliminated.
+    """
+    # Step 3: a line from the robot to the mid-point of every surface
+    middles = midpoints(surfaces)
+    rays = np.stack((np.broadcast_to(crossing.position, middles.shape), middles), axis=1)
+    rays = shorten(rays, params.margin)
+    rows = np.arange(len(surfaces))
+    # Step 3a: it meets another surface
+    hidden = blocked(rays, surfaces, rows)
+    # Step 3b: it meets the virtual exit line, or the path
+    behind = (middles - crossing.point) @ crossing.outward < 0.0
+    nothing = np.full(len(surfaces), NO_ROW)
+    on_path = blocked(rays, crossing.path, nothing)
+    if params.confirm_before:
+        # Departs from step 3b: spared is also what lies before the exit's own line or in
+        # line with it, since a slanted path puts part of the room beyond the virtual line;
+        # and what shows its back to the robot.
+        along = crossing.exit[1] - crossing.exit[0]
+        behind |= cross(along, middles - crossing.exit[0]) > -params.overlap_offset * np.hypot(
+            *along
+        )
+        facing = cross(surfaces[:, 1] - surfaces[:, 0], crossing.position - surfaces[:, 0])
+        behind |= facing < 0.0
+    return np.asarray(~(hidden | behind | on_path))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sight:
+    """Free lines of sight from the path to surfaces and exits, in MFIS."""
+
+    rays: Segments
+    """(R, 2, 2): from a path point to just short of what is seen."""
+    rows: NDArray[np.int64]
+    """(R,): the row of the surface seen; the rows of exits follow those of surfaces."""
+    weights: NDArray[np.float64]
+    """(R,): metres of surface or exit that hang on this line alone."""
+
+
+def look_from_path(
+    surfaces: Segments, crossing: Crossing, other_exits: Segments, params: Boundary
+) -> Sight:
+    """Find what could be seen from the path before the crossing, through no exit.
+
+    Args:
+        surfaces: (N, 2, 2); only their left sides can be seen.
+        crossing: its path is looked from.
+        other_exits: (K, 2, 2), without the one crossed.
+        params: the Boundary group.
+
+    Returns:
+        The free lines of sight; three samples a surface or exit.
+    """
+    eyes = _spread(crossing.path, params)
+    n, k = len(surfaces), len(SURFACE_SAMPLES)
+    lines = np.concatenate((surfaces, other_exits))
+    along = lines[:, 1] - lines[:, 0]
+    targets = (lines[:, :1] + SURFACE_SAMPLES[:, None] * along[:, None]).reshape(-1, 2)
+    sample = np.tile(np.arange(len(targets)), len(eyes))
+    rows = sample // k
+    ends = (np.repeat(eyes, len(targets), axis=0), targets[sample])
+    rays = shorten(np.stack(ends, axis=1).reshape(-1, 2, 2), params.margin)
+    facing = (cross(along[rows], rays[:, 0] - lines[rows, 0]) > 0.0) | (rows >= n)
+    walls = np.concatenate((lines, crossing.exit[None], _shut_gaps(surfaces, params)))
+    free = facing & ~blocked(rays, walls, rows)
+    count = np.bincount(sample[free], minlength=len(targets))
+    worth = lengths(lines) / k
+    worth[n:] = params.exit_worth / k
+    return Sight(rays[free], rows[free], worth[rows[free]] / count[sample[free]])
+
+
+def _shut_gaps(surfaces: Segments, params: Boundary) -> Segments:
+    """Gaps in line with two surfaces and no wider than an exit: an exit or an unseen wall."""
+    gaps = surfaces[None, :, 0] - surfaces[:, None, 1]
+    width = np.hypot(gaps[..., 0], gaps[..., 1])
+    along = (surfaces[:, 1] - surfaces[:, 0]) / np.maximum(lengths(surfaces), params.min_side)[
+        :, None
+    ]
+    sines = np.abs(cross(along[:, None], along))
+    offset = np.maximum(np.abs(cross(along[:, None], gaps)), np.abs(cross(along, gaps)))
+    onward = ((along[:, None] * gaps).sum(-1) > 0.0) & ((along[:, None] * along).sum(-1) > 0.0)
+    in_line = (sines < params.min_corner_sine) & (offset < params.overlap_offset) & onward
+    i, j = np.nonzero(in_line & (width < params.shut_gap))
+    return np.stack((surfaces[i, 1], surfaces[j, 0]), axis=1)
+
+
+def _spread(path: Segments, params: Boundary) -> Points:
+    """Path points at least ``look_spacing`` apart, at most ``max_looks`` of them."""
+    if len(path) == 0:
+        return np.zeros((0, 2))
+    points = np.concatenate((path[:1, 0], path[:, 1]))
+    kept = [points[0]]
+    for point in points[1:]:
+        if np.hypot(*(point - kept[-1])) >= params.look_spacing:
+            kept.append(point)
+    pick = np.linspace(0, len(kept) - 1, min(len(kept), params.max_looks)).round()
+    return np.array(kept)[pick.astype(np.int64)]
+
+
+def shorten(rays: Segments, margin: float) -> Segments:
+    """Pull the far end of each ray back by ``margin`` metres, at most by half of it."""
+    along = rays[:, 1] - rays[:, 0]
+    size = np.hypot(along[:, 0], along[:, 1])
+    share = np.minimum(margin / np.where(size > 0.0, size, 1.0), 0.5)
+    out = rays.copy()
+    out[:, 1] -= share[:, None] * along
+    return out
+
+
+@njit(cache=True)
+def blocked(rays: Segments, blockers: Segments, own: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which rays properly cross a blocker, other than the one in row ``own``."""
+    out = np.zeros(len(rays), dtype=np.bool_)
+    for i in range(len(rays)):
+        for k in range(len(blockers)):
+            if k != own[i] and crosses(
+                rays[i, 0, 0], rays[i, 0, 1], rays[i, 1, 0], rays[i, 1, 1], blockers[k]
+            ):
+                out[i] = True
+                break
+    return out
+
+
+@njit(cache=True)
+def crosses(px: float, py: float, qx: float, qy: float, other: Points) -> bool:
+    """Whether the segment p-q properly crosses ``other`` (2, 2)."""
+    ax, ay, bx, by = other[0, 0], other[0, 1], other[1, 0], other[1, 1]
+    rx, ry = qx - px, qy - py
+    d0 = rx * (ay - py) - ry * (ax - px)
+    d1 = rx * (by - py) - ry * (bx - px)
+    if d0 * d1 >= 0.0:
+        return False
+    sx, sy = bx - ax, by - ay
+    e0 = sx * (py - ay) - sy * (px - ax)
+    e1 = sx * (qy - ay) - sy * (qx - ax)
+    return bool(e0 * e1 < 0.0)

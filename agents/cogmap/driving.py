@@ -1,0 +1,65 @@
+"""From a target in the MFIS to the next move."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.cogmap.exits import Exit
+from agents.cogmap.memory import Memory
+from agents.cogmap.navigator import plan_path, steer
+from agents.cogmap.params import Params
+from cogmap_gym.geometry import Points
+from cogmap_gym.observation import RobotSpec
+
+Action = NDArray[np.float32]
+
+
+def drive_to(memory: Memory, target: Points, robot: RobotSpec, params: Params) -> Action | None:
+    """The next move towards a point (2,) in the MFIS, or None without a way."""
+    path = plan_path(
+        memory.obstacles, memory.pose.position, target, params.navigation, robot
+    )
+    return None if path is None else _move(memory, path, robot, params)
+
+
+def drive_through(
+    memory: Memory, target: Exit, side: float, robot: RobotSpec, params: Params
+) -> Action | None:
+    """The next move through an exit: line up before it, then straight through its middle.
+
+    Args:
+        memory: where the robot is.
+        target: the exit.
+        side: 1 if the robot's place lies on the exit's left, else -1.
+        robot: limits of a move.
+        params: distances.
+    """
+    p, at = params.exploration, memory.pose.position
+    before = target.middle + side * p.standoff * target.normal
+    beyond = target.middle - side * p.through * target.normal
+    offset = (at - target.middle) @ target.normal * side
+    aside = abs(float((at - target.middle) @ np.array((target.normal[1], -target.normal[0]))))
+    if offset < p.standoff + p.arrival and aside < 0.5 * p.arrival + max(offset, 0.0) * 0.5:
+        path = plan_path(memory.obstacles, at, beyond, params.navigation, robot)
+    else:
+        path = plan_path(memory.obstacles, at, before, params.navigation, robot)
+        if path is not None:
+            path = np.concatenate((path, beyond[None]))
+    return None if path is None else _move(memory, path, robot, params)
+
+
+def turn(angle: float, robot: RobotSpec) -> Action:
+    """Turn on the spot by at most one move's turn [rad]."""
+    return robot.move(float(np.clip(angle, -robot.max_turn, robot.max_turn)), 0.0)
+
+
+def _move(memory: Memory, path: Points, robot: RobotSpec, params: Params) -> Action:
+    robot_from_mfis = memory.pose.inverse()
+    angle, forward = steer(
+        robot_from_mfis.apply(path),
+        robot_from_mfis.apply(memory.obstacles),
+        params.navigation,
+        robot,
+    )
+    return robot.move(angle, forward)

@@ -1,0 +1,180 @@
+"""Exits: remembered doorways, in the MFIS, and the moment one is crossed (thesis 3.3, 3.5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from agents.cogmap.params import Exits
+from cogmap_gym.geometry import Points, Pose, Segments, cross
+
+NOWHERE = 0
+"""The id of no ASR."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Exit:
+    """A doorway with an identity; a line from jamb to jamb in the MFIS."""
+
+    id: int
+    line: Segments
+    """(2, 2) in the MFIS."""
+    left: int
+    """The ASR on the left of the line, or 0."""
+    right: int
+    """The ASR on the right of the line, or 0."""
+    sightings: int
+    """In how many views it was seen."""
+    crossed: int
+    """Step of the last crossing, or -1."""
+    failures: int = 0
+    """How often the robot gave up reaching it since it was last crossed or seen open."""
+
+    @property
+    def middle(self) -> Points:
+        """(2,)."""
+        return np.asarray(self.line.mean(axis=0))
+
+    @property
+    def normal(self) -> Points:
+        """(2,): unit vector to the left."""
+        d = self.line[1] - self.line[0]
+        return np.array((-d[1], d[0])) / np.hypot(d[0], d[1])
+
+    def side_of(self, asr: int) -> int:
+        """1 if the ASR lies on the left, -1 if on the right, 0 if neither is known."""
+        return 1 if asr == self.left else -1 if asr == self.right else 0
+
+    def beyond(self, asr: int) -> int:
+        """The ASR on the other side, or 0."""
+        return self.right if asr == self.left else self.left
+
+    def trusted(self, params: Exits) -> bool:
+        """Whether it counts: seen often enough or crossed, and not seen from both sides at once."""
+        return (self.sightings >= params.min_sightings or self.crossed >= 0) and (
+            self.left != self.right
+        )
+
+
+Book = tuple[Exit, ...]
+"""All exits; the one with id i stands at i - 1."""
+
+
+def remember_exits(
+    book: Book, found: Segments, here: int, mfis_from_robot: Pose, params: Exits
+) -> Book:
+    """Note the exits of a view: known ones are seen again, others enter the book.
+
+    Args:
+        book: exits so far.
+        found: (E, 2, 2) exits of the view in the MFIS, the robot's space on their left.
+        here: the ASR the robot is in.
+        mfis_from_robot: where the robot is.
+        params: thresholds.
+    """
+    robot = mfis_from_robot.position
+    for line in found:
+        middle = line.mean(axis=0)
+        if _through_another(book, robot, middle, params):
+            continue
+        known = match_exit(book, line, params)
+        if known is None:
+            book = (*book, Exit(len(book) + 1, line, here, NOWHERE, 1, -1))
+        else:
+            book = replace_exit(book, _seen_again(known, line, here, robot, params))
+    return book
+
+
+def match_exit(book: Book, line: Segments, params: Exits) -> Exit | None:
+    """The known exit that this line (2, 2) in the MFIS shows again, if there is one."""
+    d = line[1] - line[0]
+    best, least = None, params.same_distance
+    for known in book:
+        e = known.line[1] - known.line[0]
+        turn = abs(float(cross(d, e))) / float(np.hypot(*d) * np.hypot(*e))
+        gap = float(np.hypot(*(known.middle - line.mean(axis=0))))
+        if gap < least and turn < params.same_turn:
+            best, least = known, gap
+    return best
+
+
+def replace_exit(book: Book, changed: Exit) -> Book:
+    """The book with one exit changed."""
+    return (*book[: changed.id - 1], changed, *book[changed.id :])
+
+
+def rename_place(book: Book, old: int, new: int) -> Book:
+    """The book with one ASR known by another id."""
+    return tuple(
+        replace(e, left=new if e.left == old else e.left, right=new if e.right == old else e.right)
+        for e in book
+    )
+
+
+def crossed_exit(book: Book, path: Points, here: int, params: Exits) -> Exit | None:
+    """The exit that the path of this stay has gone through for good, if any.
+
+    Crossing takes two phases: the path meets the line an odd number of times, and the robot is
+    well beyond it (FINDINGS 2: 144 of 144 crossings noticed).
+
+    Args:
+        book: all exits.
+        path: (P, 2) in the MFIS, from the entry to the present position.
+        here: the ASR of this stay.
+        params: thresholds.
+    """
+    if len(path) < 2:
+        return None
+    last: tuple[int, Exit] | None = None
+    for known in book:
+        if not known.trusted(params):
+            continue
+        distance = float((path[-1] - known.middle) @ known.normal)
+        if abs(distance) < params.beyond:
+            continue
+        meetings = _meetings(path, known, params)
+        if len(meetings) % 2 == 1 and (last is None or meetings[-1] > last[0]):
+            last = (int(meetings[-1]), known)
+    return last[1] if last else None
+
+
+def _meetings(path: Points, known: Exit, params: Exits) -> Points:
+    """Rows of the path whose next piece crosses the exit's line, (K,)."""
+    side = (path - known.middle) @ known.normal
+    d = known.line[1] - known.line[0]
+    width = float(np.hypot(*d))
+    along = (path - known.line[0]) @ d / width
+    rows = np.flatnonzero((side[:-1] < 0.0) != (side[1:] < 0.0))
+    t = side[rows] / (side[rows] - side[rows + 1])
+    at = along[rows] + t * (along[rows + 1] - along[rows])
+    return rows[(at > -params.slack) & (at < width + params.slack)]
+
+
+def _through_another(book: Book, robot: Points, middle: Points, params: Exits) -> bool:
+    """Whether the sight from the robot to ``middle`` goes through a trusted exit."""
+    sight = np.stack((robot, middle))
+    return any(
+        e.trusted(params)
+        and float(np.hypot(*(e.middle - middle))) > params.same_distance
+        and float(np.hypot(*(e.middle - robot))) > params.beyond
+        and len(_meetings(sight, e, params)) > 0
+        for e in book
+    )
+
+
+def _seen_again(known: Exit, line: Segments, here: int, robot: Points, params: Exits) -> Exit:
+    """A known exit with its line and sides brought up to date by a new sighting."""
+    same = float((line[1] - line[0]) @ (known.line[1] - known.line[0])) > 0.0
+    directed = line if same else line[::-1]
+    near = float(np.hypot(*(line.mean(axis=0) - robot))) < params.near
+    share = params.near_share if near else params.far_share
+    blended = (1.0 - share) * known.line + share * directed
+    left, right = known.left, known.right
+    if known.crossed < 0 or NOWHERE in (left, right):
+        left, right = (here, right) if same else (left, here)
+        if known.crossed >= 0 and left == right:
+            left, right = known.left, known.right
+    return replace(
+        known, line=blended, left=left, right=right, sightings=known.sightings + 1, failures=0
+    )

@@ -1,0 +1,163 @@
+"""Algorithm 1: autonomous exploration, place by place (thesis 3.3)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from agents.cogmap.driving import Action, drive_through, drive_to, turn
+from agents.cogmap.exits import Exit
+from agents.cogmap.memory import EXIT, GAP, LOOK, SPOT, Intent, Memory
+from agents.cogmap.params import Params
+from agents.cogmap.places import exits_of
+from agents.cogmap.view import View
+from cogmap_gym.geometry import Points
+from cogmap_gym.observation import RobotSpec
+
+
+def explore(
+    memory: Memory, view: View, robot: RobotSpec, params: Params
+) -> tuple[Memory, Action]:
+    """Algorithm 1: autonomous exploration.
+
+    Departs from steps 3 and 4, by which the robot never left the first room (FINDINGS 2): it stays
+    with the exit or gap it chose until it is there, looks round once in each new place, does not
+    go back by the exit it came in by while there is another, and lines up before a door.
+
+    Args:
+        memory: after perception (steps 1 and 2).
+        view: the present view, in the robot's frame.
+        robot: limits of a move.
+        params: all thresholds.
+    """
+    for _ in range(params.exploration.patience):
+        # Step 3
+        intent = _valid(memory, params) or choose(memory, view, params)
+        memory = replace(memory, intent=replace(intent, steps=intent.steps + 1))
+        # Step 4
+        memory, action = pursue(memory, robot, params)
+        if action is not None:
+            return memory, action
+        memory = give_up(memory)
+    return memory, turn(robot.max_turn, robot)
+
+
+def _valid(memory: Memory, params: Params) -> Intent | None:
+    """The present intent, while there is reason to go on with it."""
+    p, intent, stay = params.exploration, memory.intent, memory.stay
+    if intent is None:
+        return None
+    if intent.kind == LOOK:
+        return None if stay.looked else intent
+    if intent.steps > p.patience:
+        return None
+    if intent.kind == EXIT:
+        target = memory.exit(intent.exit)
+        usable = target.trusted(params.exits) and target.side_of(stay.place) != 0
+        return replace(intent, target=target.middle) if usable else None
+    if float(np.hypot(*(intent.target - memory.pose.position))) < p.arrival:
+        return None
+    if intent.kind == GAP and _best_exit(memory, params) is not None:
+        return None
+    return intent
+
+
+def choose(memory: Memory, view: View, params: Params) -> Intent:
+    """Step 3: select what to go for next."""
+    stay, at = memory.stay, memory.pose.position
+    if not stay.looked:
+        spot = _middle(memory, view, params)
+        tried = memory.intent is not None and memory.intent.kind == SPOT
+        if tried or not stay.entry or np.hypot(*(spot - at)) < params.exploration.arrival:
+            return Intent(LOOK, at)
+        return Intent(SPOT, spot)
+    best = _best_exit(memory, params)
+    gap = _best_gap(memory, stay.gaps)
+    if best is not None and (best.crossed < 0 or gap is None or stay.known):
+        return Intent(EXIT, best.middle, best.id)
+    if gap is not None:
+        return Intent(GAP, gap)
+    if best is not None:
+        return Intent(EXIT, best.middle, best.id)
+    if stay.entry:  # a dead end
+        entry = memory.exit(stay.entry)
+        return Intent(EXIT, entry.middle, entry.id)
+    return Intent(LOOK, at)
+
+
+def _best_exit(memory: Memory, params: Params) -> Exit | None:
+    """The exit to take: one never crossed and far away, else the one crossed longest ago.
+
+    Not the entry. "The robot is programmed to choose a potential exit that is furthest away"
+    (thesis 3.3).
+    """
+    stay, at = memory.stay, memory.pose.position
+    options = [
+        e
+        for e in exits_of(memory.book, stay.place)
+        if e.trusted(params.exits)
+        and e.id != stay.entry
+        and e.failures < params.exploration.max_failures
+    ]
+    if not options:
+        return None
+    return min(options, key=lambda e: (e.crossed, -float(np.hypot(*(e.middle - at)))))
+
+
+def _best_gap(memory: Memory, gaps: Points) -> Points | None:
+    """The gap to take: ahead and near."""
+    if not len(gaps):
+        return None
+    seen = memory.pose.inverse().apply(gaps)
+    cost = np.hypot(seen[:, 0], seen[:, 1]) + 2.0 * np.abs(np.arctan2(seen[:, 1], seen[:, 0]))
+    return np.asarray(gaps[int(cost.argmin())])
+
+
+def _middle(memory: Memory, view: View, params: Params) -> Points:
+    """The middle (2,) of the free space in view, in the MFIS."""
+    points = view.points[np.isfinite(view.points).all(axis=1)]
+    if len(points) < 3:
+        return memory.pose.position
+    reach = params.exploration.survey_reach
+    distance = np.hypot(points[:, 0], points[:, 1])
+    cut = points * np.minimum(1.0, reach / np.maximum(distance, 1e-9))[:, None]
+    a, b = cut[:-1], cut[1:]
+    areas = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+    centre = ((a + b) / 3.0 * areas[:, None]).sum(axis=0) / max(float(areas.sum()), 1e-9)
+    return memory.pose.apply(centre)
+
+
+def pursue(memory: Memory, robot: RobotSpec, params: Params) -> tuple[Memory, Action | None]:
+    """Step 4: the next move for the present intent; None without a way."""
+    intent, stay = memory.intent, memory.stay
+    assert intent is not None, "an intent is chosen before it is pursued"
+    if intent.kind == LOOK:
+        left = params.exploration.look_turn - stay.turned
+        step = min(robot.max_turn, left)
+        done = stay.turned + step >= params.exploration.look_turn - 1e-9
+        memory = memory.with_stay(turned=0.0 if done else stay.turned + step, looked=done)
+        return memory, turn(step, robot)
+    if intent.kind == EXIT:
+        target = memory.exit(intent.exit)
+        side = float(target.side_of(stay.place))
+        return memory, drive_through(memory, target, side, robot, params)
+    return memory, drive_to(memory, intent.target, robot, params)
+
+
+def give_up(memory: Memory) -> Memory:
+    """Note that the present intent cannot be reached."""
+    intent = memory.intent
+    assert intent is not None, "only an intent can be given up"
+    if intent.kind == EXIT:
+        book = tuple(
+            replace(e, failures=e.failures + 1) if e.id == intent.exit else e for e in memory.book
+        )
+        return replace(memory, book=book, intent=None)
+    if intent.kind == GAP:
+        far = np.hypot(*(memory.stay.gaps - intent.target).T) > math.ulp(1.0)
+        return replace(memory.with_stay(gaps=memory.stay.gaps[far]), intent=None)
+    return memory.with_stay(looked=True) if intent.kind == LOOK else replace(
+        memory, intent=Intent(SPOT, memory.pose.position)
+    )

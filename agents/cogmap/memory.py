@@ -1,0 +1,129 @@
+"""All that the robot remembers, as one frozen value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from agents.cogmap.association import Beams
+from agents.cogmap.exits import NOWHERE, Book, Exit
+from agents.cogmap.mapper import BLANK, Mapping
+from agents.cogmap.places import Network
+from cogmap_gym.geometry import Points, Pose
+
+NO_POINTS: Points = np.zeros((0, 2))
+NO_POINTS.setflags(write=False)
+
+LOOK, SPOT, EXIT, GAP, MARK = "look", "spot", "exit", "gap", "mark"
+"""Kinds of intent: look round, go to a spot to look round, cross an exit, reach a gap or mark."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Intent:
+    """What the robot is about, until it is done or given up."""
+
+    kind: str
+    target: Points
+    """(2,) in the MFIS; the middle of the exit for an exit."""
+    exit: int = 0
+    """Id of the exit to cross, or 0."""
+    steps: int = 0
+    """Steps spent on it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stay:
+    """The time in one place, from the crossing of its entry."""
+
+    place: int
+    known: bool
+    """Whether the place is one of the network, not a provisional id."""
+    entry: int
+    """Id of the exit by which the robot came, 0 where it started."""
+    came_from: int
+    """The place left by that exit, or 0."""
+    began: int
+    """Step of the crossing."""
+    path: Points
+    """(P, 2) in the MFIS, from the entry to the present position."""
+    beams: tuple[Beams, ...] = ()
+    """Beams of the last views of the stay, in the MFIS."""
+    views: int = 0
+    """Views taken in this stay."""
+    looked: bool = False
+    """Whether the robot has looked round."""
+    turned: float = 0.0
+    """How far it has turned in looking round [rad]."""
+    gaps: Points = field(default_factory=lambda: NO_POINTS)
+    """(G, 2) in the MFIS: middles of gaps not yet explored."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mark:
+    """A remembered spot."""
+
+    id: int
+    place: int
+    point: Points
+    """(2,) in the MFIS."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Memory:
+    """The MFIS, the network of ASRs, and what the robot is doing."""
+
+    mapping: Mapping
+    obstacles: Points
+    """(P, 2) in the MFIS."""
+    book: Book
+    network: Network
+    stay: Stay
+    path: Points
+    """(T, 3): every pose so far in the MFIS as it was believed then."""
+    travelled: float
+    """Metres driven, by odometry."""
+    departures: tuple[tuple[int, float], ...]
+    """(place, metres driven when it was last left)."""
+    marks: tuple[Mark, ...]
+    intent: Intent | None
+    route: tuple[int, ...] | None
+    """Exits still to cross on a journey."""
+    status: str
+
+    @property
+    def pose(self) -> Pose:
+        """``mfis_from_robot``."""
+        return self.mapping.mfis_from_robot
+
+    def mark(self, mark_id: int) -> Mark | None:
+        """The mark of this id, or None."""
+        return next((m for m in self.marks if m.id == mark_id), None)
+
+    def exit(self, exit_id: int) -> Exit:
+        """The exit of this id."""
+        return self.book[exit_id - 1]
+
+    def since_left(self, place: int) -> float:
+        """Metres driven since the place was last left."""
+        return next((self.travelled - at for p, at in self.departures if p == place), np.inf)
+
+    def with_stay(self, **changes: object) -> Memory:
+        """The memory with fields of the present stay changed."""
+        return replace(self, stay=replace(self.stay, **changes))  # type: ignore[arg-type]
+
+
+NEWBORN = Memory(
+    mapping=BLANK,
+    obstacles=NO_POINTS,
+    book=(),
+    network=Network((), 1),
+    stay=Stay(1, False, 0, NOWHERE, 0, NO_POINTS),
+    path=np.zeros((0, 3)),
+    travelled=0.0,
+    departures=(),
+    marks=(),
+    intent=None,
+    route=None,
+    status="newborn",
+)

@@ -1,0 +1,254 @@
+"""The MFIS: one inexact map of surfaces, and Algorithm 5, which enters new ones (thesis 3.4).
+
+An old surface is never moved and never turned: after insertion it only lengthens along its
+own line. ``Edit`` records keep the proof.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.cogmap.landmarks import find_landmarks
+from agents.cogmap.params import Landmarks, Transfer
+from agents.cogmap.view import View
+from cogmap_gym.geometry import NO_SEGMENTS, Points, Pose, Segments, lengths, segments_cross
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+UNTAGGED = 0
+"""The tag of a surface of no ASR yet."""
+FORGOTTEN = -1
+"""The tag of a surface that is no longer part of the map."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MFIS:
+    """Surfaces in one coordinate system, that of the first view; row r has the id r + 1."""
+
+    surfaces: Segments
+    """(N, 2, 2), free space on the left."""
+    physical: Bools
+    """(N, 2): the end is an end of the wall itself."""
+    anchor: Points
+    """(N, 2): middle of the surface when it was entered."""
+    anchor_sd: Floats
+    """(N,): how well its line was known there across [m]."""
+    heading_sd: Floats
+    """(N,): how well its heading was known [rad]."""
+    born: Ints
+    """(N,): step of entry."""
+    seen: Ints
+    """(N,): step at which it was last recognised."""
+    asr: Ints
+    """(N,): the ASR it belongs to, 0 before any, -1 once forgotten."""
+
+    def __len__(self) -> int:
+        """Number of surfaces."""
+        return len(self.surfaces)
+
+    @property
+    def ids(self) -> Ints:
+        """(N,): names of the surfaces, from 1."""
+        return np.arange(1, len(self.surfaces) + 1)
+
+
+EMPTY_MFIS = MFIS(
+    NO_SEGMENTS,
+    np.zeros((0, 2), dtype=np.bool_),
+    np.zeros((0, 2)),
+    np.zeros(0),
+    np.zeros(0),
+    *(np.zeros(0, dtype=np.int64) for _ in range(3)),
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Edit:
+    """One change of the MFIS."""
+
+    step: int
+    id: int
+    before: Segments | None
+    """(2, 2) in the MFIS, None when the surface was entered."""
+    after: Segments
+    """(2, 2) in the MFIS."""
+    in_view: Segments
+    """(2, 2) in the robot's frame: what was seen when it was made."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Transferred:
+    """What Algorithm 5 returns."""
+
+    mfis: MFIS
+    ids: Ints
+    """(N,): the id of each surface of the view, or 0."""
+    edits: Sequence[Edit]
+
+
+def recognise(mfis: MFIS, rows: Ints, step: int) -> MFIS:
+    """Note that these rows were seen at this step."""
+    seen = mfis.seen.copy()
+    seen[rows] = step
+    return replace(mfis, seen=seen)
+
+
+def tag(mfis: MFIS, rows: Ints, asr: int) -> MFIS:
+    """Note that these rows belong to an ASR, or are forgotten."""
+    tags = mfis.asr.copy()
+    tags[rows] = asr
+    return replace(mfis, asr=tags)
+
+
+def normalise(
+    view: View, mfis: MFIS, pairs: Ints, mfis_from_robot: Pose, step: int, params: Transfer
+) -> tuple[MFIS, list[Edit]]:
+    """Lengthen MFIS surfaces to what the view shows of them, along their own lines.
+
+    Departs from the normalisation of thesis 3.4 (Fig. 3.16), which lengthens whenever a
+    perpendicular meets: walls then grow at each view by the noise of their ends (FINDINGS 3). An
+    end of the wall itself is kept unless the view goes well beyond it, and a surface stops where
+    the next one on its line begins.
+
+    Args:
+        view: surfaces in the robot's frame.
+        mfis: the map.
+        pairs: (K, 2) rows of view and MFIS that are one surface.
+        mfis_from_robot: where the view lies.
+        step: for the record.
+        params: thresholds.
+    """
+    surfaces, physical = mfis.surfaces.copy(), mfis.physical.copy()
+    edits: list[Edit] = []
+    laid = mfis_from_robot.apply(view.surfaces)
+    for i in np.unique(pairs[:, 0]):
+        rows = pairs[pairs[:, 0] == i, 1]
+        for j in rows:
+            known = surfaces[j]
+            span = float(np.hypot(*(known[1] - known[0])))
+            u = (known[1] - known[0]) / span
+            ends = (laid[i] - known[0]) @ u
+            others = ((surfaces[rows[rows != j]] - known[0]) @ u).reshape(-1, 2)
+            low, high = _room_to_grow(others, span)
+            new = [max(min(ends[0], 0.0), low), min(max(ends[1], span), high)]
+            for end, grown in ((0, -new[0]), (1, new[1] - span)):
+                if grown < (params.end_growth if physical[j, end] else params.min_growth):
+                    new[end] = 0.0 if end == 0 else span
+                else:
+                    reached = bool(new[end] == ends[end])
+                    physical[j, end] = bool(view.physical[i, end]) and reached
+                if abs(ends[end] - new[end]) < params.end_growth and view.physical[i, end]:
+                    physical[j, end] = True
+            if new != [0.0, span]:
+                after = known[0] + np.outer(new, u)
+                edits.append(Edit(step, int(j) + 1, known.copy(), after, view.surfaces[i]))
+                surfaces[j] = after
+    return replace(mfis, surfaces=surfaces, physical=physical), edits
+
+
+def _room_to_grow(others: Floats, span: float) -> tuple[float, float]:
+    """How far a surface of length ``span`` may reach before others (K, 2) on its line begin."""
+    low, high = -np.inf, np.inf
+    for a, b in others:
+        if b <= 0.5 * span and a < 0.0:
+            low = max(low, min(b, 0.0))
+        elif a >= 0.5 * span and b > span:
+            high = min(high, max(a, span))
+        elif a < 0.0 or b > span:
+            low, high = max(low, 0.0), min(high, span)
+    return low, high
+
+
+def transfer(
+    view: View,
+    mfis: MFIS,
+    ids: Ints,
+    frames: Sequence[Pose],
+    rows: Ints,
+    step: int,
+    params: Transfer,
+    landmarks: Landmarks,
+) -> Transferred:
+    """Algorithm 5: transfer the surfaces of a view to the MFIS.
+
+    Args:
+        view: surfaces in the robot's frame.
+        mfis: the map, landmarks normalised.
+        ids: (N,) id of each surface of the view recognised as a landmark, or 0.
+        frames: for each surface of the view, the frame that enters it (steps 1 to 3: its nearest
+            landmark's, or the consensus of all).
+        rows: rows of the MFIS that may be recognised in step 5.
+        step: for the record.
+        params: thresholds.
+        landmarks: thresholds of Algorithm 4.
+    """
+    ids, edits = ids.copy(), []
+    new_rows: list[int] = []
+    laid = np.array([f.apply(s) for f, s in zip(frames, view.surfaces, strict=True)])
+    size, heading_sd = lengths(view.surfaces), _heading_sd(view, params)
+    for i in np.flatnonzero(ids == 0):
+        known = mfis.surfaces[rows]
+        if size[i] < params.min_length or view.hits[i] < params.min_hits:
+            continue
+        if not params.literal and heading_sd[i] > params.max_heading_sd:
+            continue
+        # Departs from the order of steps 4 and 5: the match comes first, since what has been
+        # seen before lies across what has been seen before (FINDINGS 3).
+        match = find_landmarks(laid[i : i + 1], known, landmarks)[0]
+        if params.literal and _intersects(laid[i], mfis.surfaces, 0.0):
+            continue  # Step 4, as written
+        if match >= 0:
+            ids[i] = rows[match] + 1  # Step 5: the surface is not new
+            continue
+        if not params.literal and _intersects(laid[i], mfis.surfaces, params.corner_slack):
+            continue  # Step 4
+        new_rows.append(int(i))
+        ids[i] = len(mfis) + len(new_rows)
+        edits.append(Edit(step, int(ids[i]), None, laid[i], view.surfaces[i]))
+    return Transferred(_append(mfis, view, laid, new_rows, heading_sd, step, params), ids, edits)
+
+
+def _heading_sd(view: View, params: Transfer) -> Floats:
+    """How well the heading of each surface of the view is known [rad], (N,)."""
+    size = np.maximum(lengths(view.surfaces), 1e-6)
+    return np.asarray(params.range_sd * np.sqrt(12.0 / np.maximum(view.hits, 1)) / size)
+
+
+def _intersects(surface: Segments, known: Segments, slack: float) -> bool:
+    """Whether a surface (2, 2), shortened by ``slack`` at both ends, crosses a known one."""
+    d = surface[1] - surface[0]
+    size = float(np.hypot(d[0], d[1]))
+    cut = d / max(size, 1e-9) * min(slack, 0.45 * size)
+    return bool(segments_cross(np.array([[surface[0] + cut, surface[1] - cut]]), known).any())
+
+
+def _append(
+    mfis: MFIS,
+    view: View,
+    laid: Segments,
+    rows: list[int],
+    heading_sd: Floats,
+    step: int,
+    params: Transfer,
+) -> MFIS:
+    """The MFIS with these rows of the view entered."""
+    if not rows:
+        return mfis
+    added = laid[rows]
+    now = np.full(len(rows), step, dtype=np.int64)
+    return MFIS(
+        np.concatenate((mfis.surfaces, added)),
+        np.concatenate((mfis.physical, view.physical[rows])),
+        np.concatenate((mfis.anchor, added.mean(axis=1))),
+        np.concatenate((mfis.anchor_sd, params.range_sd / np.sqrt(view.hits[rows]))),
+        np.concatenate((mfis.heading_sd, heading_sd[rows])),
+        np.concatenate((mfis.born, now)),
+        np.concatenate((mfis.seen, now)),
+        np.concatenate((mfis.asr, np.full(len(rows), UNTAGGED, dtype=np.int64))),
+    )

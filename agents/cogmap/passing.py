@@ -1,0 +1,100 @@
+"""Crossing an exit: the ASR just left is cut, and a new stay begins (thesis 3.5)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from agents.cogmap.asr import ASR, compute_asr
+from agents.cogmap.exits import NOWHERE, Exit, crossed_exit, replace_exit
+from agents.cogmap.memory import Memory, Stay
+from agents.cogmap.mfis import UNTAGGED, tag
+from agents.cogmap.params import Params
+from agents.cogmap.places import exits_of
+from cogmap_gym.geometry import NO_SEGMENTS, segments_cross
+
+
+def notice_crossing(memory: Memory, params: Params) -> Exit | None:
+    """The exit the robot has just crossed, or None."""
+    stay = memory.stay
+    return crossed_exit(memory.book, stay.path, stay.place, params.exits)
+
+
+def leave(memory: Memory, crossed: Exit, params: Params) -> Memory:
+    """Cut the ASR just left, link it by the exit, and begin a stay beyond.
+
+    Args:
+        memory: at the moment the crossing is noticed.
+        crossed: the exit.
+        params: all thresholds.
+    """
+    stay = memory.stay
+    memory = cut(memory, crossed, params)
+    ahead = crossed.beyond(stay.place) if crossed.side_of(stay.place) else NOWHERE
+    known = crossed.crossed >= 0 and ahead != NOWHERE
+    network = memory.network
+    if not known:
+        network = replace(network, last_id=network.last_id + 1)
+        ahead = network.last_id
+    started_left = float((stay.path[0] - crossed.middle) @ crossed.normal) > 0.0
+    on_left = _came_from_left(memory, crossed, started_left)
+    left, right = (stay.place, ahead) if on_left else (ahead, stay.place)
+    step = memory.mapping.step
+    entered = replace(crossed, left=left, right=right, crossed=step, failures=0)
+    departures = tuple(d for d in memory.departures if d[0] != stay.place)
+    return replace(
+        memory,
+        network=network,
+        book=replace_exit(memory.book, entered),
+        stay=Stay(ahead, known, crossed.id, stay.place, step, memory.path[-1:, :2], looked=known),
+        departures=(*departures, (stay.place, memory.travelled)),
+        intent=None,
+        route=_shortened(memory.route, crossed.id),
+    )
+
+
+def _came_from_left(memory: Memory, crossed: Exit, started_left: bool) -> bool:
+    """Whether the robot came from the left of the exit: it now stands on the right."""
+    now = float((memory.pose.position - crossed.middle) @ crossed.normal)
+    return now < 0.0 if now != 0.0 else started_left
+
+
+def _shortened(route: tuple[int, ...] | None, crossed: int) -> tuple[int, ...] | None:
+    """A route without its first exit once that is crossed; None where the robot left it."""
+    if route and route[0] == crossed:
+        return route[1:]
+    return None
+
+
+def cut(memory: Memory, crossed: Exit, params: Params) -> Memory:
+    """Algorithm 6 for the place just left, by the exit crossed; its surfaces are tagged."""
+    stay, mfis = memory.stay, memory.mapping.mfis
+    asr = _compute(memory, crossed, params)
+    new = np.asarray(asr.surfaces, dtype=np.int64) - 1
+    new = new[mfis.asr[new] == UNTAGGED]
+    mapping = replace(memory.mapping, mfis=tag(mfis, new, stay.place))
+    return replace(memory, mapping=mapping, network=memory.network.with_asr(asr))
+
+
+def _compute(memory: Memory, crossed: Exit, params: Params) -> ASR:
+    """The ASR of the present stay, from surfaces of no other ASR (step 3a)."""
+    stay, mfis = memory.stay, memory.mapping.mfis
+    rows = np.flatnonzero((mfis.asr == UNTAGGED) | (mfis.asr == stay.place))
+    driven = np.stack((stay.path[:-1], stay.path[1:]), axis=1)
+    # What the robot drove through was a door then shut (thesis 4.2.2, surface 8).
+    solid = ~segments_cross(mfis.surfaces[rows], driven).any(axis=1)
+    rows = rows[solid]
+    others = [
+        e.line for e in exits_of(memory.book, stay.place)
+        if e.id != crossed.id and e.trusted(params.exits)
+    ]  # fmt: skip
+    return compute_asr(
+        stay.place,
+        mfis.surfaces[rows],
+        mfis.ids[rows],
+        crossed.line,
+        np.stack(others) if others else NO_SEGMENTS,
+        stay.path,
+        params.boundary,
+    )

@@ -1,0 +1,174 @@
+"""Recognising on re-entry that an unknown place is one of the network (thesis 4.2.2, 4.3.2)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from agents.cogmap.asr import ASR
+from agents.cogmap.association import Beams, Hypothesis, best_hypothesis
+from agents.cogmap.exits import (
+    NOWHERE,
+    Book,
+    Exit,
+    match_exit,
+    rename_place,
+    replace_exit,
+)
+from agents.cogmap.landmarks import find_landmarks
+from agents.cogmap.memory import Memory
+from agents.cogmap.mfis import FORGOTTEN, UNTAGGED, tag
+from agents.cogmap.params import Association, Params
+from cogmap_gym.geometry import Pose
+
+
+def recognise_place(memory: Memory, params: Params, last_chance: bool = False) -> Memory:
+    """Close the loop if the evidence of the last views says so.
+
+    Args:
+        memory: after a view in the present stay.
+        params: all thresholds.
+        last_chance: try now, since the place is about to be cut as a new ASR.
+    """
+    p, stay = params.association, memory.stay
+    if stay.known or not stay.entry or not (last_chance or _due(stay.views, p)):
+        return memory
+    beams = Beams(
+        np.concatenate([b.origins for b in stay.beams]),
+        np.concatenate([b.ends for b in stay.beams]),
+    )
+    tried = [
+        best_hypothesis(a.id, _surfaces(memory, a), beams, memory.since_left(a.id), p)
+        for a in memory.network.asrs
+        if a.closed and a.id != stay.came_from
+    ]
+    tried.sort(key=lambda h: h.coverage, reverse=True)
+    if not tried or not tried[0].holds(p) or not _possible(memory, tried[0], p):
+        return memory
+    if len(tried) > 1 and tried[1].holds(p) and _possible(memory, tried[1], p):
+        if tried[0].coverage - tried[1].coverage < p.margin:
+            return memory
+    return _accept(memory, tried[0], params)
+
+
+def _due(views: int, p: Association) -> bool:
+    if views <= p.dense_views:
+        return views >= p.first_view
+    return (views - p.dense_views) % p.later_every == 0
+
+
+def _surfaces(memory: Memory, asr: ASR) -> NDArray[np.float64]:
+    """The surfaces of a known place, (M, 2, 2)."""
+    mfis = memory.mapping.mfis
+    return mfis.surfaces[mfis.asr == asr.id]
+
+
+def _possible(memory: Memory, hypothesis: Hypothesis, p: Association) -> bool:
+    """Whether the path and the crossed exit fit the place, and no link contradicts it."""
+    asr = memory.network.asr(hypothesis.place)
+    assert asr is not None, "a hypothesis names an ASR of the network"
+    polygon = shapely.Polygon(asr.boundary)
+    path = shapely.points(hypothesis.shift.apply(memory.stay.path))
+    inside = np.mean(shapely.distance(polygon, path) <= p.inside_slack)
+    entry = memory.exit(memory.stay.entry)
+    door = hypothesis.shift.apply(entry.middle)
+    at_edge = shapely.distance(polygon.exterior, shapely.Point(door)) <= p.door_distance
+    twin = _twin(memory, entry, hypothesis)
+    elsewhere = (
+        twin is not None
+        and twin.crossed >= 0
+        and twin.beyond(hypothesis.place) not in (NOWHERE, memory.stay.came_from)
+    )
+    return bool(inside >= p.min_inside and at_edge and not elsewhere)
+
+
+def _twin(memory: Memory, entry: Exit, hypothesis: Hypothesis) -> Exit | None:
+    """The exit of the known place that the crossed exit is, seen from the other side."""
+    door = hypothesis.shift.apply(entry.middle)
+    near = [
+        e
+        for e in memory.book
+        if e.id != entry.id
+        and hypothesis.place in (e.left, e.right)
+        and e.left != e.right
+        and float(np.hypot(*(e.middle - door))) < float(np.hypot(*(e.line[1] - e.line[0])))
+    ]
+    return min(near, key=lambda e: float(np.hypot(*(e.middle - door))), default=None)
+
+
+def _accept(memory: Memory, hypothesis: Hypothesis, params: Params) -> Memory:
+    """Be in the known place: shift the robot, not the map, and forget what was seen twice."""
+    stay, shift, place = memory.stay, hypothesis.shift, hypothesis.place
+    entry = memory.exit(stay.entry)
+    twin = _twin(memory, entry, hypothesis)
+    mapping = replace(
+        memory.mapping,
+        mfis=tag(memory.mapping.mfis, _ghosts(memory, hypothesis, params), FORGOTTEN),
+        mfis_from_robot=shift @ memory.pose,
+    )
+    book = _merged_exits(memory.book, stay.place, shift, stay.entry, place, params)
+    if twin is not None:
+        book = _merge_entry(book, book[entry.id - 1], book[twin.id - 1])
+    kept = stay.entry if twin is None or twin.crossed < 0 else twin.id
+    return replace(
+        memory,
+        mapping=mapping,
+        obstacles=shift.apply(memory.obstacles),
+        book=book,
+        stay=replace(
+            stay,
+            place=place,
+            known=True,
+            entry=kept,
+            path=shift.apply(stay.path),
+            beams=tuple(b.moved(shift) for b in stay.beams),
+            looked=True,
+            gaps=stay.gaps[:0],
+        ),
+        intent=None,
+        status=f"recognised {place}",
+    )
+
+
+def _ghosts(memory: Memory, hypothesis: Hypothesis, params: Params) -> NDArray[np.int64]:
+    """Rows seen since the crossing, or untagged ones that the known place has already."""
+    mfis = memory.mapping.mfis
+    since = (mfis.born >= memory.stay.began) & (mfis.asr == UNTAGGED)
+    untagged = np.flatnonzero((mfis.asr == UNTAGGED) & ~since)
+    known = mfis.surfaces[mfis.asr == hypothesis.place]
+    laid = hypothesis.shift.apply(mfis.surfaces[untagged])
+    double = find_landmarks(laid, known, params.landmarks) >= 0
+    return np.concatenate((np.flatnonzero(since), untagged[double]))
+
+
+def _merged_exits(
+    book: Book, old: int, shift: Pose, entry: int, place: int, params: Params
+) -> Book:
+    """Exits of the provisional place moved with the robot, and merged with those of the known."""
+    own = [e for e in book if place in (e.left, e.right) and e.left != e.right]
+    for e in book:
+        if e.id == entry or old not in (e.left, e.right):
+            continue
+        line = shift.apply(e.line)
+        if match_exit(tuple(own), line, params.exits) is not None:
+            book = replace_exit(book, _void(e))
+        else:
+            book = replace_exit(book, replace(e, line=line))
+    return rename_place(book, old, place)
+
+
+def _merge_entry(book: Book, entry: Exit, twin: Exit) -> Book:
+    """One exit for the crossed one and the known one: the one crossed before, else the new one."""
+    if twin.crossed >= 0:
+        return replace_exit(
+            replace_exit(book, _void(entry)), replace(twin, crossed=entry.crossed)
+        )
+    return replace_exit(book, _void(twin))
+
+
+def _void(e: Exit) -> Exit:
+    """An exit that turned out to be another one."""
+    return replace(e, left=NOWHERE, right=NOWHERE, sightings=0, crossed=-1)

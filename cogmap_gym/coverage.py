@@ -1,0 +1,64 @@
+"""How much of the free space the robot has truly seen, in cells of 0.1 m."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import ndimage
+
+from cogmap_gym.geometry import Pose
+from cogmap_gym.grid import Grid, Mask, mark_seen
+from cogmap_gym.observation import LaserSpec
+from cogmap_gym.world import World
+
+WALL_M = 0.06
+"""Cells whose centre is nearer to a wall do not count [m]: over half a cell, so that a thin
+wall parts the cells on its two sides."""
+
+
+class Coverage:
+    """The share of the reachable free space that beams without noise have passed through.
+
+    What counts is what can be reached from home with the doors as the plan has them at
+    first; what lies behind a door that is shut then never counts.
+    """
+
+    def __init__(self, world: World, laser: LaserSpec) -> None:
+        """Find the cells that count, with the world as it stands now."""
+        self._world = world
+        self._laser = laser
+        self._grid = Grid.over(world.plan.walls_and_furniture())
+        counts = _reachable(self._grid, world)
+        self._uncounted = ~counts
+        self._seen = self._uncounted.copy()
+        self._total = max(int(counts.sum()), 1)
+        self._count = 0
+
+    @property
+    def share(self) -> float:
+        """Seen free area over all reachable free area, 0 to 1."""
+        return self._count / self._total
+
+    def forget(self) -> None:
+        """Begin again with nothing seen."""
+        self._seen = self._uncounted.copy()
+        self._count = 0
+
+    def look(self, pose: Pose) -> float:
+        """Mark what is visible from the robot's ``pose``; answer the share that is new."""
+        eye = pose @ self._laser.robot_from_laser
+        ranges = self._world.caster.ranges(eye, self._laser)
+        directions = self._laser.angles + eye.theta
+        grid = self._grid
+        new = mark_seen(self._seen, grid.x0, grid.y0, eye.position, directions, ranges)
+        self._count += int(new)
+        return int(new) / self._total
+
+
+def _reachable(grid: Grid, world: World) -> Mask:
+    """The cells that hang together with home, away from walls."""
+    xs, ys = grid.centres()
+    left, low, right, high = world.plan.bounds
+    inside = (xs > left) & (xs < right) & (ys > low) & (ys < high)
+    labels, _ = ndimage.label(inside & ~grid.near(world.solid_segments, WALL_M))
+    home = world.plan.home
+    return np.asarray(labels == labels[grid.cell(home.x, home.y)])

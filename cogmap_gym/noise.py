@@ -1,0 +1,109 @@
+"""Gaussian noise on ranges, drawn in compiled code.
+
+Handing a NumPy generator to compiled code costs more than a whole scan does, so a scan's
+noise is a SplitMix64 stream of its own, keyed by one draw from the generator, shaped by the
+ziggurat of Marsaglia and Tsang (2000) with 256 layers.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cogmap_gym.geometry import Array
+from cogmap_gym.raycast_kernel import compiled
+
+LAYERS: Final = 256
+"""Layers of the ziggurat. Marsaglia and Tsang 2000."""
+TAIL: Final = 3.6541528853610088
+"""Where the lowest layer's tail begins, for 256 layers. Marsaglia and Tsang 2000."""
+LAYER_AREA: Final = 0.00492867323399
+"""Area of each layer under exp(-x^2 / 2). Marsaglia and Tsang 2000."""
+UNIT: Final = 2.0**-53
+"""From 53 random bits to [0, 1)."""
+
+# SplitMix64 (Steele, Lea and Flood 2014): the step of its counter, and its two multipliers.
+_STEP: Final = np.uint64(0x9E3779B97F4A7C15)
+_MIX_1: Final = np.uint64(0xBF58476D1CE4E5B9)
+_MIX_2: Final = np.uint64(0x94D049BB133111EB)
+_SHIFT_1, _SHIFT_2, _SHIFT_3 = np.uint64(30), np.uint64(27), np.uint64(31)
+_LAYER_MASK, _SIGN_BIT, _MANTISSA_SHIFT = np.uint64(255), np.uint64(256), np.uint64(11)
+
+
+def _ziggurat() -> tuple[Array, Array]:
+    """Right edges of the layers, widest first, and the curve's height at each."""
+    edges = np.zeros(LAYERS + 1)
+    edges[0], edges[1] = LAYER_AREA / math.exp(-0.5 * TAIL**2), TAIL
+    for i in range(1, LAYERS - 1):
+        height = LAYER_AREA / edges[i] + math.exp(-0.5 * edges[i] ** 2)
+        edges[i + 1] = math.sqrt(-2.0 * math.log(height))
+    return edges, np.exp(-0.5 * edges**2)
+
+
+_EDGES, _HEIGHTS = _ziggurat()
+
+
+@compiled
+def _mix(counter: np.uint64) -> np.uint64:
+    """Random bits of a place in the stream."""
+    z = (counter ^ (counter >> _SHIFT_1)) * _MIX_1
+    z = (z ^ (z >> _SHIFT_2)) * _MIX_2
+    return z ^ (z >> _SHIFT_3)
+
+
+@compiled
+def _unit(counter: np.uint64) -> float:
+    """A random number in [0, 1)."""
+    return float(_mix(counter) >> _MANTISSA_SHIFT) * UNIT
+
+
+@compiled
+def _tail(counter: np.uint64) -> tuple[float, np.uint64]:
+    """A draw beyond ``TAIL``, and where the stream then stands."""
+    while True:
+        x = -math.log1p(-_unit(counter + _STEP)) / TAIL
+        y = -math.log1p(-_unit(counter + _STEP + _STEP))
+        counter = counter + _STEP + _STEP
+        if y + y > x * x:
+            return TAIL + x, counter
+
+
+@compiled
+def noisy_ranges(ranges: Array, range_max: float, sd: float, key: int) -> NDArray[np.float32]:
+    """Add Gaussian noise to the ranges that are returns.
+
+    Args:
+        ranges: (beams,), metres; ``range_max`` or more is no return and stays.
+        range_max: upper bound of the result [m].
+        sd: standard deviation [m].
+        key: in [0, 2**63); the same key gives the same noise.
+
+    Returns:
+        (beams,) float32 within [0, range_max].
+    """
+    out = np.empty(len(ranges), dtype=np.float32)
+    counter = np.uint64(key)
+    for i in range(len(ranges)):
+        if ranges[i] >= range_max:
+            out[i] = range_max
+            continue
+        while True:
+            counter += _STEP
+            bits = _mix(counter)
+            layer = bits & _LAYER_MASK
+            x = float(bits >> _MANTISSA_SHIFT) * UNIT * _EDGES[layer]
+            if x < _EDGES[layer + np.uint64(1)]:
+                break
+            if layer == np.uint64(0):
+                x, counter = _tail(counter)
+                break
+            counter += _STEP
+            low, high = _HEIGHTS[layer], _HEIGHTS[layer + np.uint64(1)]
+            if low + _unit(counter) * (high - low) < math.exp(-0.5 * x * x):
+                break
+        noise = -x if bits & _SIGN_BIT else x
+        out[i] = min(max(ranges[i] + sd * noise, 0.0), range_max)
+    return out

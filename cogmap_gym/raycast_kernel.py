@@ -1,0 +1,274 @@
+"""The compiled laser kernel behind ``cogmap_gym.raycast``: plain arrays in and out.
+
+Seen from the laser, the *inverse* range of a wall is linear in the direction of the beam:
+``1 / r = a * cos(phi) + b * sin(phi)``. A scan is therefore a one-dimensional z-buffer over
+inverse range: each wall costs its two end beams, one division and a running maximum.
+
+Large worlds are cut in square cells, walked outward in square rings around the laser.
+After each ring the beams that ended inside it are final; cells and walls that only final
+beams could meet are passed over, and the walk stops when no beam is open.
+
+Ends of segments are closed: a beam that passes within ``SLACK`` of an end meets it, so no
+beam leaks through a corner. Walls are drawn in the *fan frame*: the laser at the origin, the
+middle of the fan along +x, so that the seam at +-pi lies behind the fan. ``fan`` is
+(2, beams): the cosines and sines of the beams there.
+
+All kernels stand in one file, since numba's cache notices no change in another.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, Final, TypeVar
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from cogmap_gym.geometry import Array
+
+SLACK: Final = 1e-9
+"""A beam this near to the end of a segment meets it [m]. Ours: far under the laser's noise."""
+CELL_MARGIN: Final = 1e-6
+"""A segment is entered in the cells within this distance [m]. Ours: beyond all rounding."""
+ANGLE_ERROR: Final = 2e-5
+"""Bound on the error of ``_angle`` [rad]: twice that of Abramowitz and Stegun 4.4.49."""
+
+Ints = NDArray[np.int64]
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+
+def compiled(function: _F) -> _F:
+    """Compile a numeric kernel, or leave it to Python under ``NUMBA_DISABLE_JIT=1``.
+
+    No fast-math, so that bits do not depend on the processor; in Python, integers wrap and
+    floats overflow as quietly as in compiled code.
+    """
+    jit: Any = numba
+    if jit.config.DISABLE_JIT:
+        return np.errstate(all="ignore")(function)
+    kernel: _F = jit.njit(cache=True, error_model="numpy")(function)
+    return kernel
+
+
+@compiled
+def register(
+    segments: Array, grid: Array, columns: int, lines: int, cursor: Ints, rows: Ints
+) -> None:
+    """Enter each segment in every cell it touches; with no ``rows``, only count."""
+    cell = grid[2]
+    for row in range(len(segments)):
+        px, qx = segments[row, 0] - grid[0], segments[row, 2] - grid[0]
+        py, qy = segments[row, 1] - grid[1], segments[row, 3] - grid[1]
+        low = max(math.floor((min(py, qy) - CELL_MARGIN) / cell), 0)
+        high = min(math.floor((max(py, qy) + CELL_MARGIN) / cell), lines - 1)
+        for line in range(low, high + 1):
+            t0, t1 = 0.0, 1.0
+            if abs(qy - py) > CELL_MARGIN:
+                ta = (line * cell - CELL_MARGIN - py) / (qy - py)
+                tb = ((line + 1) * cell + CELL_MARGIN - py) / (qy - py)
+                t0, t1 = max(min(ta, tb), 0.0), min(max(ta, tb), 1.0)
+            xa, xb = px + t0 * (qx - px), px + t1 * (qx - px)
+            left = max(math.floor((min(xa, xb) - CELL_MARGIN) / cell), 0)
+            right = min(math.floor((max(xa, xb) + CELL_MARGIN) / cell), columns - 1)
+            for c in range(line * columns + left, line * columns + right + 1):
+                if len(rows) > 0:
+                    rows[cursor[c]] = row
+                cursor[c] += 1
+
+
+@compiled
+def _angle(x: float, y: float) -> float:
+    """Direction of (x, y) != 0 in [-pi, pi], to ``ANGLE_ERROR``, on the exact side of y = 0."""
+    ax, ay = abs(x), abs(y)
+    z = min(ax, ay) / max(ax, ay)
+    w = z * z
+    angle = z * (0.9998660 + w * (-0.3302995 + w * (0.1801410 + w * (-0.0851330 + w * 0.0208351))))
+    if ay > ax:
+        angle = 0.5 * math.pi - angle
+    if x < 0.0:
+        angle = math.pi - angle
+    return angle if y >= 0.0 else -angle
+
+
+@compiled
+def _first_beam(x: float, y: float, fan: Array, step: float) -> int:
+    """First beam at or counter-clockwise of the point (x, y); may be one past the last."""
+    last = fan.shape[1] - 1
+    f = _angle(x, y) / step + 0.5 * last
+    margin = ANGLE_ERROR / step
+    i: int = math.ceil(min(max(f - margin, 0.0), last + 1.0))
+    stop = min(f + margin, 1.0 * last)
+    while i <= stop and x * fan[1, i] - y * fan[0, i] < -SLACK:
+        i += 1
+    return i
+
+
+@compiled
+def _last_beam(x: float, y: float, fan: Array, step: float) -> int:
+    """Last beam at or clockwise of the point (x, y); may be one before the first, -1."""
+    last = fan.shape[1] - 1
+    f = _angle(x, y) / step + 0.5 * last
+    margin = ANGLE_ERROR / step
+    i: int = math.floor(max(min(f + margin, 1.0 * last), -1.0))
+    stop = max(f - margin, 0.0)
+    while i >= stop and x * fan[1, i] - y * fan[0, i] > SLACK:
+        i -= 1
+    return i
+
+
+@compiled
+def _paint(low: int, high: int, a: float, b: float, fan: Array, inverse: Array) -> None:
+    """Raise the inverse ranges of beams low..high to those of the line (a, b)."""
+    # Unsigned indexes: signed ones may wrap, and the loop would not be vectorised.
+    for i in range(np.uint64(low), np.uint64(max(high + 1, low))):
+        v = a * fan[0, i] + b * fan[1, i]
+        inverse[i] = max(inverse[i], v)
+
+
+@compiled
+def _draw(
+    px: float, py: float, qx: float, qy: float, fan: Array, step: float, inverse: Array
+) -> None:
+    """Draw the wall from p to q, in the fan frame."""
+    sx, sy = qx - px, qy - py
+    c = px * sy - py * sx
+    if c * c <= SLACK * SLACK * (sx * sx + sy * sy):
+        if px * qx + py * qy <= 0.0:  # The laser stands on the wall.
+            inverse[:] = math.inf
+            return
+        if qx * qx + qy * qy < px * px + py * py:  # Edge-on, only the nearer end shows.
+            px, py = qx, qy
+        qx, qy = px, py
+        d = px * px + py * py
+        a, b = px / d, py / d
+    else:
+        if c < 0.0:
+            px, py, qx, qy = qx, qy, px, py
+        a, b = sy / c, -sx / c
+    low = _first_beam(px, py, fan, step)
+    high = _last_beam(qx, qy, fan, step)
+    if py >= 0.0 and qy < 0.0:  # Across the seam behind the fan.
+        _paint(low, fan.shape[1] - 1, a, b, fan, inverse)
+        low = 0
+    _paint(low, high, a, b, fan, inverse)
+
+
+@compiled
+def _any_open(low_angle: float, high_angle: float, step: float, open_at: Ints) -> bool:
+    """Whether a beam between two angles of the fan frame is open."""
+    last = len(open_at) - 2
+    low = math.ceil(min(max(low_angle / step + 0.5 * last, 0.0), last + 1.0))
+    high = math.floor(max(min(high_angle / step + 0.5 * last, 1.0 * last), -1.0))
+    return low <= high and open_at[low] <= high
+
+
+@compiled
+def _cell_shows(x: float, y: float, cell: float, step: float, open_at: Ints) -> bool:
+    """Whether an open beam may enter the cell whose middle is (x, y) in the fan frame."""
+    distance = math.sqrt(x * x + y * y)
+    if distance < 1.5 * cell:
+        return True
+    middle = _angle(x, y)
+    # The circle round the cell; asin(z) < 1.05 z from 1.5 cells away.
+    half = 1.05 * math.sqrt(0.5) * cell / distance + ANGLE_ERROR
+    low, high = middle - half, middle + half
+    return (
+        _any_open(low, high, step, open_at)
+        or (low < -math.pi and _any_open(low + math.tau, math.pi, step, open_at))
+        or (high > math.pi and _any_open(-math.pi, high - math.tau, step, open_at))
+    )
+
+
+@compiled
+def _reach(x: float, y: float, ring: int, cell: float, columns: int, lines: int) -> float:
+    """How far a laser at (x, y) from the grid's corner has seen, rings before ``ring`` walked.
+
+    Sides of the walked square with no grid beyond do not count [m].
+    """
+    column, line = math.floor(x / cell), math.floor(y / cell)
+    reach = math.inf
+    if column - ring >= 0:
+        reach = min(reach, x - (column - ring + 1) * cell)
+    if column + ring < columns:
+        reach = min(reach, (column + ring) * cell - x)
+    if line - ring >= 0:
+        reach = min(reach, y - (line - ring + 1) * cell)
+    if line + ring < lines:
+        reach = min(reach, (line + ring) * cell - y)
+    return max(reach, 0.0)
+
+
+@compiled
+def _find_open(reach: float, inverse: Array, open_at: Ints) -> None:
+    """Set ``open_at[i]`` to the first beam from i on that may yet be shortened."""
+    final = 1.0 / reach
+    nearest = len(inverse)
+    for k in range(len(inverse)):
+        i = len(inverse) - 1 - k
+        nearest = i if inverse[i] < final else nearest
+        open_at[i] = nearest
+
+
+@compiled
+def cast(
+    segments: Array,
+    first: Ints,
+    rows: Ints,
+    seen: Ints,
+    stamp: int,
+    grid: Array,
+    columns: int,
+    lines: int,
+    fan: Array,
+    step: float,
+    range_max: float,
+    x: float,
+    y: float,
+    heading: float,
+) -> Array:
+    """Exact ranges (beams,) of a fan whose middle points along ``heading``; see RayCaster."""
+    beams = fan.shape[1]
+    inverse = np.full(beams, 1.0 / range_max)
+    open_at = np.arange(beams + 1)
+    c, s = math.cos(heading), math.sin(heading)
+    cell, gx, gy = grid[2], x - grid[0], y - grid[1]
+    column, line = math.floor(gx / cell), math.floor(gy / cell)
+    ring = max(0, -column, column - columns + 1, -line, line - lines + 1)
+    reach = _reach(gx, gy, ring, cell, columns, lines)
+    while reach < range_max and open_at[0] < beams:
+        for j in range(max(line - ring, 0), min(line + ring, lines - 1) + 1):
+            whole = abs(j - line) == ring
+            for i in range(max(column - ring, 0), min(column + ring, columns - 1) + 1):
+                if not whole and abs(i - column) != ring:
+                    continue
+                k = j * columns + i
+                if first[k] == first[k + 1]:
+                    continue
+                mx, my = (i + 0.5) * cell - gx, (j + 0.5) * cell - gy
+                if not _cell_shows(c * mx + s * my, c * my - s * mx, cell, step, open_at):
+                    continue
+                for n in range(first[k], first[k + 1]):
+                    row = rows[n]
+                    if seen[row] >= stamp:
+                        continue
+                    seen[row] = stamp
+                    px, py = segments[row, 0] - x, segments[row, 1] - y
+                    qx, qy = segments[row, 2] - x, segments[row, 3] - y
+                    _draw(
+                        c * px + s * py,
+                        c * py - s * px,
+                        c * qx + s * qy,
+                        c * qy - s * qx,
+                        fan,
+                        step,
+                        inverse,
+                    )
+        ring += 1
+        reach = _reach(gx, gy, ring, cell, columns, lines)
+        _find_open(reach, inverse, open_at)
+    for i in range(beams):
+        v = inverse[i]
+        inverse[i] = min(1.0 / v, range_max) if v > 1.0 / range_max else range_max
+    return inverse
