@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from cogmap_gym.floor_plan import FloorPlan
-from cogmap_gym.phases import Itinerary, Phase
+from cogmap_gym.phases import Course, Itinerary, Phase
+from cogmap_gym.thesis_tasks import Thesis
 
 EXPLORED = 0.95
 """Share of the reachable free area that counts as all of it. DESIGN 3."""
@@ -21,19 +21,6 @@ SURVEY_SHARES = (0.3, 0.8)
 SURVEY_MOVES = 20
 """Fewest moves before the robot is called home; the most is this and a quarter of the area
 in square metres, drawn uniformly. Ours."""
-
-
-class Course(Protocol):
-    """What the episodes of a task consist of."""
-
-    def check(self, plan: FloorPlan) -> None:
-        """Raise ``ValueError`` if the plan lacks what the course needs."""
-
-    def most_moves(self, plan: FloorPlan) -> int:
-        """After how many moves an episode on this plan is cut, unless told otherwise."""
-
-    def itinerary(self, plan: FloorPlan, rng: np.random.Generator) -> Itinerary:
-        """The phases of one episode."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,3 +65,19 @@ class GoHome:
 def home_moves(plan: FloorPlan) -> int:
     """The budget of a way home: 100 moves and one for each two square metres."""
     return HOME_MOVES + round(plan.area / 2.0)
+
+
+def course_of(task: str, experiment: int | None) -> Course:
+    """The course that the keywords of an environment ask for.
+
+    Raises:
+        ValueError: no such task or experiment, or an experiment for another task.
+    """
+    if task == "thesis":
+        return Thesis(1 if experiment is None else experiment)
+    if experiment is not None:
+        raise ValueError(f"experiment: only the thesis task has one, got {experiment!r}")
+    courses: dict[str, Course] = {"explore": Explore(), "home": GoHome()}
+    if task not in courses:
+        raise ValueError(f"task: expected one of {[*courses, 'thesis']}, got {task!r}")
+    return courses[task]

@@ -14,7 +14,7 @@ from gymnasium.envs.registration import EnvSpec
 from numpy.typing import NDArray
 
 from cogmap_gym.body import Motion
-from cogmap_gym.courses import Course, Explore, GoHome
+from cogmap_gym.courses import course_of
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Points, Pose
 from cogmap_gym.observation import LaserSpec, Observation, RobotSpec, observation_space
@@ -27,7 +27,6 @@ from cogmap_gym.sensors import (
     odometry_reading,
 )
 from cogmap_gym.tasks import Task
-from cogmap_gym.thesis_tasks import Thesis
 from cogmap_gym.world import World
 
 DECLARED = 0.5
@@ -85,7 +84,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         self.plan = FloorPlan.load(map)
         self.world = World(self.plan, self.robot)
         self._start = self.world.state()
-        course = _course(task, experiment)
+        course = course_of(task, experiment)
         steps_a_move = 1 if control == "move" else STEPS_A_MOVE
         self.task = Task(course, self.world, self.laser, steps_a_move)
         self.max_moves = _max_moves(max_moves, steps_a_move * course.most_moves(self.plan))
@@ -202,18 +201,6 @@ class CogMapEnv(gym.Env[Observation, Any]):
         ranges, angles = self._scan[hit].astype(np.float64), self.laser.angles[hit]
         ends = np.stack((ranges * np.cos(angles), ranges * np.sin(angles)), axis=-1)
         return (self.world.pose @ self.laser.robot_from_laser).apply(ends)
-
-
-def _course(task: str, experiment: int | None) -> Course:
-    """The course that the keywords ask for."""
-    if task == "thesis":
-        return Thesis(1 if experiment is None else experiment)
-    if experiment is not None:
-        raise ValueError(f"experiment: only the thesis task has one, got {experiment!r}")
-    courses: dict[str, Course] = {"explore": Explore(), "home": GoHome()}
-    if task not in courses:
-        raise ValueError(f"task: expected one of {[*courses, 'thesis']}, got {task!r}")
-    return courses[task]
 
 
 def _max_moves(asked: int | None, default: int) -> int:

@@ -57,10 +57,6 @@ class Grid:
         column = min(max(math.floor((x - self.x0) / CELL_M), 0), self.columns - 1)
         return row, column
 
-    def centre(self, row: int, column: int) -> Points:
-        """The centre of a cell, shape (2,) [m]."""
-        return np.array((self.x0 + CELL_M * (column + 0.5), self.y0 + CELL_M * (row + 0.5)))
-
     def near(self, segments: Segments, distance: float) -> Mask:
         """Which cell centres lie nearer than ``distance`` [m] to any segment."""
         mask = np.zeros(self.shape, dtype=np.bool_)

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
 
 from cogmap_gym.events import Event
+from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Pose, point_segment_distances
 from cogmap_gym.world import World
 
@@ -83,3 +87,16 @@ class Itinerary:
 
     phases: tuple[Phase, ...]
     mark_rooms: Mapping[int, str] = field(default_factory=dict)
+
+
+class Course(Protocol):
+    """What the episodes of a task consist of."""
+
+    def check(self, plan: FloorPlan) -> None:
+        """Raise ``ValueError`` if the plan lacks what the course needs."""
+
+    def most_moves(self, plan: FloorPlan) -> int:
+        """After how many moves an episode on this plan is cut, unless told otherwise."""
+
+    def itinerary(self, plan: FloorPlan, rng: np.random.Generator) -> Itinerary:
+        """The phases of one episode."""

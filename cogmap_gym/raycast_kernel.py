@@ -134,19 +134,16 @@ def _draw(
     """Draw the wall from p to q, in the fan frame."""
     sx, sy = qx - px, qy - py
     c = px * sy - py * sx
-    if c * c <= SLACK * SLACK * (sx * sx + sy * sy):
-        if px * qx + py * qy <= 0.0:  # The laser stands on the wall.
-            inverse[:] = math.inf
-            return
-        if qx * qx + qy * qy < px * px + py * py:  # Edge-on, only the nearer end shows.
-            px, py = qx, qy
-        qx, qy = px, py
-        d = px * px + py * py
-        a, b = px / d, py / d
-    else:
+    if c * c > SLACK * SLACK * (sx * sx + sy * sy):
+        a, b = sy / c, -sx / c
         if c < 0.0:
             px, py, qx, qy = qx, qy, px, py
-        a, b = sy / c, -sx / c
+    else:  # Edge-on: only the nearer end shows.
+        if px * px + py * py < qx * qx + qy * qy:
+            qx, qy = px, py
+        px, py = qx, qy
+        d = px * px + py * py
+        a, b = px / d, py / d
     low = _first_beam(px, py, fan, step)
     high = _last_beam(qx, qy, fan, step)
     if py >= 0.0 and qy < 0.0:  # Across the seam behind the fan.

@@ -18,12 +18,11 @@ from typing import Any
 import numpy as np
 
 from cogmap_gym.body import Motion
-from cogmap_gym.courses import Course
 from cogmap_gym.coverage import Coverage
 from cogmap_gym.events import EventQueue
 from cogmap_gym.geometry import Pose
 from cogmap_gym.observation import MARKS, LaserSpec
-from cogmap_gym.phases import Phase, PhaseResult
+from cogmap_gym.phases import Course, Phase, PhaseResult
 from cogmap_gym.routes import Routes
 from cogmap_gym.trail import Trail
 from cogmap_gym.world import World

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,12 @@ class Figures:
     seen: NDArray[np.float64]
 
 
+@cache
+def scene_of(seed: int) -> Scene:
+    """The random scene of a seed."""
+    return make_scene(np.random.default_rng(seed))
+
+
 def cut(scene: Scene, params: Boundary) -> ASR:
     """The ASR of a scene; the ids are the rows."""
     ids = np.arange(len(scene.surfaces))
@@ -33,7 +40,7 @@ def cut(scene: Scene, params: Boundary) -> ASR:
 
 def measure(seeds: range, params: Boundary) -> Figures:
     """Cut the ASR of one random scene a seed."""
-    scenes = [make_scene(np.random.default_rng(seed)) for seed in seeds]
+    scenes = [scene_of(seed) for seed in seeds]
     asrs = [cut(scene, params) for scene in scenes]
     return Figures(
         np.array([asr.closed for asr in asrs]),

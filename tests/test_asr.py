@@ -11,15 +11,15 @@ import shapely
 from agents.cogmap.asr import ASR, compute_asr
 from agents.cogmap.params import Boundary
 from cogmap_gym.geometry import NO_SEGMENTS, Points, Pose, Segments
-from tests.mfis_figures import WELL_SEEN, cut, measure
-from tests.mfis_rooms import Scene, make_scene
+from tests.mfis_figures import WELL_SEEN, cut, measure, scene_of
+from tests.mfis_rooms import Scene
 
-SEEDS = range(24)
+SEEDS = range(20)
 
 
 @pytest.fixture(scope="module")
 def scenes() -> list[Scene]:
-    return [make_scene(np.random.default_rng(900 + seed)) for seed in SEEDS]
+    return [scene_of(seed) for seed in SEEDS]
 
 
 def same_area(a: Points, b: Points) -> bool:
@@ -59,7 +59,6 @@ def box_room() -> Scene:
             [[9.0, 0.0], [9.0, 4.0]],
         ]
     )
-    walls[-1] = walls[-1, ::-1].copy() * np.array((1.0, 1.0))
     door = np.array([[6.0, 1.5], [6.0, 2.4]])
     entry = np.array([[[0.0, 1.6], [0.0, 2.5]]])
     path = np.array([[0.2, 2.0], [2.0, 2.1], [4.0, 1.9], [6.5, 2.0]])
@@ -82,7 +81,7 @@ def test_our_boundary_of_a_plain_room_is_exact_and_names_its_walls() -> None:
 
 
 def test_most_rooms_close_and_follow_the_true_walls() -> None:
-    figures = measure(range(60), Boundary())
+    figures = measure(range(50), Boundary())
     well_seen = figures.seen > WELL_SEEN
     assert figures.closed.mean() >= 0.95
     assert np.median(figures.overlap) >= 0.9

@@ -16,6 +16,7 @@ from cogmap_gym.geometry import Pose, Segments, lengths, segments_cross
 from cogmap_gym.observation import LaserSpec
 
 LASER = LaserSpec()
+DEFAULT = Gaps()
 LITERAL = replace(Gaps(), literal=True)
 
 
@@ -52,7 +53,7 @@ def look(walls: Segments, pose: Pose, seed: int = 0) -> View:
     return extract_view(scan(walls, pose, np.random.default_rng(seed)), LASER, Lines())
 
 
-def seen(walls: Segments, pose: Pose, params: Gaps = Gaps()) -> Openings:
+def seen(walls: Segments, pose: Pose, params: Gaps = DEFAULT) -> Openings:
     """The openings at a pose."""
     return openings(look(walls, pose), params)
 
@@ -248,3 +249,13 @@ def test_what_is_behind_an_exit_is_no_gap() -> None:
     found = seen(ROOMS, Pose(3.0, 2.95, 0.0))
     assert len(found.exits) == 1
     assert not (found.gaps[:, :, 0] > 3.4).all(axis=1).any()
+
+
+def test_garbage_scans_are_answered_without_complaint() -> None:
+    rng = np.random.default_rng(11)
+    for k in range(30):
+        ranges = rng.uniform(0.0, 4.0, LASER.beams) * (1.0 if k % 2 else rng.integers(0, 2))
+        ranges[rng.random(LASER.beams) < 0.2] = math.nan
+        view = extract_view(np.repeat(ranges[::8], 8), LASER, Lines())
+        for params in (DEFAULT, LITERAL):
+            assert np.isfinite(openings(view, params).exits).all()

@@ -119,7 +119,8 @@ def test_a_moved_scene_has_an_equally_good_path(angle: float) -> None:
     a = plan_path(sample_surfaces(walls, 0.05), start, goal, PARAMS)
     there = moved.apply(walls)
     b = plan_path(sample_surfaces(there, 0.05), moved.apply(start), moved.apply(goal), PARAMS)
-    assert a is not None and b is not None
+    assert a is not None
+    assert b is not None
     assert lengths(legs(b)).sum() == pytest.approx(lengths(legs(a)).sum(), rel=0.04)
     assert clearance(b, there) == pytest.approx(clearance(a, walls), abs=0.08)
 
@@ -136,7 +137,7 @@ def test_the_clear_distance_ends_where_the_disc_touches() -> None:
 
 def test_the_clear_distance_does_not_depend_on_the_frame() -> None:
     rng = np.random.default_rng(3)
-    points = rng.uniform(-3.0, 3.0, (50, 2)) + (3.2, 0.0)
+    points = rng.uniform(-3.0, 3.0, (50, 2)) + np.array((3.2, 0.0))
     turned = Pose(0.0, 0.0, 1.1)
     assert clear_distance(points, 0.2, 0.25, 9.0) == pytest.approx(
         clear_distance(turned.apply(points), 1.3, 0.25, 9.0)

@@ -60,7 +60,8 @@ def lay(
                     leave[i, j] = enter[i, j] = p + ahead * u
                     gap[i, j] = abs(ahead) + abs(behind)
             elif u[0] * v[0] + u[1] * v[1] > 0.0:
-                over, side = -(w[0] * u[0] + w[1] * u[1]), abs(w[0] * u[1] - w[1] * u[0])
+                m = (u + v) / np.hypot(u[0] + v[0], u[1] + v[1])
+                over, side = -(w[0] * m[0] + w[1] * m[1]), abs(w[0] * m[1] - w[1] * m[0])
                 if 0.0 < over < min(a, b) and side < overlap_offset:
                     leave[i, j], enter[i, j] = p - 0.5 * over * u, q + 0.5 * over * v
                     gap[i, j] = side

@@ -174,7 +174,8 @@ def look_from_path(
     ends = (np.repeat(eyes, len(targets), axis=0), targets[sample])
     rays = shorten(np.stack(ends, axis=1).reshape(-1, 2, 2), params.margin)
     facing = (cross(along[rows], rays[:, 0] - lines[rows, 0]) > 0.0) | (rows >= n)
-    walls = np.concatenate((lines, crossing.exit[None], _shut_gaps(surfaces, params)))
+    shut = _shut_gaps(surfaces, params)
+    walls = np.concatenate((lines, crossing.exit[None], shut, _flanks(other_exits, params)))
     free = facing & ~blocked(rays, walls, rows)
     count = np.bincount(sample[free], minlength=len(targets))
     worth = lengths(lines) / k
@@ -195,6 +196,14 @@ def _shut_gaps(surfaces: Segments, params: Boundary) -> Segments:
     in_line = (sines < params.min_corner_sine) & (offset < params.overlap_offset) & onward
     i, j = np.nonzero(in_line & (width < params.shut_gap))
     return np.stack((surfaces[i, 1], surfaces[j, 0]), axis=1)
+
+
+def _flanks(exits: Segments, params: Boundary) -> Segments:
+    """The wall that an exit must stand in, seen or not, at both of its sides."""
+    along = exits[:, 1] - exits[:, 0]
+    flank = params.exit_flank / np.maximum(lengths(exits), params.min_side)[:, None] * along
+    before = np.stack((exits[:, 0] - flank, exits[:, 0]), axis=1)
+    return np.concatenate((before, np.stack((exits[:, 1], exits[:, 1] + flank), axis=1)))
 
 
 def _spread(path: Segments, params: Boundary) -> Points:

@@ -16,33 +16,10 @@ from numpy.typing import NDArray
 
 from agents.cogmap.params import Gaps
 from agents.cogmap.view import View
+from agents.cogmap.wall_line import ON, Ints, WallLine, wall_line
 from cogmap_gym.geometry import NO_SEGMENTS, Array, Points, Segments, cross, lengths, midpoints
 
-Ints = NDArray[np.int64]
-
-NONE, FRONT, ON, PASS = 0, 1, 2, 3
-"""What a beam says of a wall's line: nothing, ends before it, on it, or beyond it."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _WallLine:
-    """All beams in the frame of one wall: ``along`` it in the sense of travel, ``height`` above.
-
-    ``step`` is the sense in which the beams are walked: 1 counter-clockwise, where ``along``
-    grows to the wall's end; -1 clockwise, where it grows to the wall's start.
-    """
-
-    wall: int
-    step: int
-    origin: Points
-    direction: Points
-    along: Array
-    height: Array
-    crossing: Array
-    """Where each beam crosses the line, in ``along`` [m]; of use where it passes."""
-    code: Ints
-    robot_along: float
-    robot_height: float
+Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +51,7 @@ def doorways(view: View, params: Gaps, origin: Points) -> Segments:
     weight: list[float] = []
     for wall in np.flatnonzero(length >= params.wall_length):
         for step in (1, -1):
-            line = _wall_line(view, int(wall), step, params, origin)
+            line = wall_line(view, int(wall), step, params, origin)
             jambs = _jambs(line, view, params)
             if jambs is not None and _is_doorway(line, jambs, view, params):
                 found.append(_across(line, jambs, params))
@@ -84,52 +61,12 @@ def doorways(view: View, params: Gaps, origin: Points) -> Segments:
     return _without_doubles(np.stack(found), np.array(weight), params)
 
 
-def _wall_line(view: View, wall: int, step: int, params: Gaps, origin: Points) -> _WallLine:
-    start, end = view.surfaces[wall] if step == 1 else view.surfaces[wall, ::-1]
-    span = math.hypot(end[0] - start[0], end[1] - start[1])
-    direction = (end - start) / span
-    side = 1.0 if step == 1 else -1.0  # free space is on the left of start -> end
-    to_points, to_robot = view.points - start, origin - start
-    along, height = to_points @ direction, side * cross(direction, to_points)
-    robot_along, robot_height = (
-        float(to_robot @ direction),
-        side * float(cross(direction, to_robot)),
-    )
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = robot_height / (robot_height - height)
-    off = np.maximum(np.maximum(-along, along - span), 0.0)
-    tolerance = params.line_distance + params.line_spread * off
-    code = np.full(len(along), NONE)
-    code[height > tolerance] = FRONT
-    code[np.abs(height) <= tolerance] = ON
-    code[height < -tolerance] = PASS
-    crossing = robot_along + share * (along - robot_along)
-    return _WallLine(
-        wall, step, start, direction, along, height, crossing, code, robot_along, robot_height
-    )
-
-
-def _beams_after(line: _WallLine, view: View, wall: int) -> Ints:
-    """Beams with evidence beyond a wall's last one, in the sense of travel."""
-    last = view.beams[wall, 1 if line.step == 1 else 0]
-    beams = np.arange(last + 1, len(line.code)) if line.step == 1 else np.arange(last - 1, -1, -1)
-    return beams[line.code[beams] != NONE]
-
-
-def _first(mask: NDArray[np.bool_]) -> int:
-    """Index of the first true value, or the length when there is none."""
-    return int(mask.argmax()) if mask.any() else len(mask)
-
-
-def _jambs(line: _WallLine, view: View, params: Gaps) -> _Jambs | None:
+def _jambs(line: WallLine, view: View, params: Gaps) -> _Jambs | None:
     """The opening that begins where this wall ends, if a jamb closes it at a door's width."""
-    beams = _beams_after(line, view, line.wall)
-    code = line.code[beams]
-    begin = _first(code != ON)
-    stop = begin + _first(code[begin:] != PASS)
+    beams, begin, stop = line.passing_beams(view, line.wall)
     if begin == stop or stop == len(beams):
         return None
-    span = float(np.hypot(*(view.surfaces[line.wall, 1] - view.surfaces[line.wall, 0])))
+    span = float(lengths(view.surfaces[line.wall][None])[0])
     last_on = float(line.along[beams[begin - 1]]) if begin else span
     near = (max(last_on, span) + line.crossing[beams[begin]]) / 2
     if near - last_on > params.jamb_distance or near - span > params.edge_slip:
@@ -146,41 +83,59 @@ def _jambs(line: _WallLine, view: View, params: Gaps) -> _Jambs | None:
 
 
 def _closing_wall(
-    line: _WallLine, view: View, beam: int, crossing: float, params: Gaps
+    line: WallLine, view: View, beam: int, crossing: float, params: Gaps
 ) -> tuple[float, int, bool] | None:
     """The wall that ends the opening: where on the line, which one, and whether in line."""
     rows = view.surfaces if line.step == 1 else view.surfaces[:, ::-1]
     along = (rows - line.origin) @ line.direction
     height = cross(line.direction, rows - line.origin) * line.step
     span = lengths(rows)
-    # In line: it begins at the far jamb, on the line, and goes on along it.
+    edge = float(line.along[beam])
+    if line.code[beam] == ON and abs(edge - crossing) <= params.edge_slip:
+        in_line = _longest(_goes_on(along, height, span, crossing, params), span)
+        if in_line is not None:
+            return (edge + crossing) / 2, in_line, True
+    foot = _foot(along, height)
+    square = _longest(_stands_at(along, height, span, foot, crossing, params), span)
+    return None if square is None else (float(foot[square]), square, False)
+
+
+def _goes_on(along: Array, height: Array, span: Array, crossing: float, params: Gaps) -> Flags:
+    """Surfaces (N,) that begin at the far jamb, on the line, and go on along it."""
     off = params.line_distance + params.line_spread * np.maximum(along[:, 0], 0.0)
-    in_line = (
+    return np.asarray(
         (np.abs(height[:, 1] - height[:, 0]) <= params.line_turn * span)
         & (along[:, 1] > along[:, 0])
         & (np.abs(height).min(axis=1) <= off)
         & (np.abs(along[:, 0] - crossing) <= params.edge_slip)
     )
-    edge = float(line.along[beam])
-    if line.code[beam] == ON and in_line.any() and abs(edge - crossing) <= params.edge_slip:
-        return (edge + crossing) / 2, int(np.flatnonzero(in_line)[span[in_line].argmax()]), True
-    # In a corner: it stands square on the line, and reaches it from the robot's side.
-    rise = height[:, 1] - height[:, 0]
-    share = -height[:, 0] / np.where(rise == 0.0, np.nan, rise)
-    foot = along[:, 0] + share * (along[:, 1] - along[:, 0])
-    square = (
+
+
+def _stands_at(
+    along: Array, height: Array, span: Array, foot: Array, crossing: float, params: Gaps
+) -> Flags:
+    """Surfaces (N,) square to the line that reach it from the robot's side, at the far jamb."""
+    return np.asarray(
         (np.abs(along[:, 1] - along[:, 0]) <= params.square_turn * span)
         & (height.max(axis=1) > params.edge_slip)
         & (height.min(axis=1) <= params.edge_slip)
         & (np.abs(foot - crossing) <= params.jamb_distance)
     )
-    if not square.any():
-        return None
-    other = int(np.flatnonzero(square)[span[square].argmax()])
-    return float(foot[other]), other, False
 
 
-def _is_doorway(line: _WallLine, jambs: _Jambs, view: View, params: Gaps) -> bool:
+def _foot(along: Array, height: Array) -> Array:
+    """Where each surface's own line meets the wall's line, NaN if parallel."""
+    rise = height[:, 1] - height[:, 0]
+    share = -height[:, 0] / np.where(rise == 0.0, np.nan, rise)
+    return np.asarray(along[:, 0] + share * (along[:, 1] - along[:, 0]))
+
+
+def _longest(which: Flags, span: Array) -> int | None:
+    rows = np.flatnonzero(which)
+    return int(rows[span[rows].argmax()]) if len(rows) else None
+
+
+def _is_doorway(line: WallLine, jambs: _Jambs, view: View, params: Gaps) -> bool:
     """Whether the opening is free, leads on, and is held by walls rather than furniture."""
     near, far, run = jambs.near, jambs.far, jambs.run
     sight = math.hypot((near + far) / 2 - line.robot_along, line.robot_height)
@@ -198,11 +153,11 @@ def _is_doorway(line: _WallLine, jambs: _Jambs, view: View, params: Gaps) -> boo
     return _held_by_walls(line, jambs, view, params)
 
 
-def _held_by_walls(line: _WallLine, jambs: _Jambs, view: View, params: Gaps) -> bool:
+def _held_by_walls(line: WallLine, jambs: _Jambs, view: View, params: Gaps) -> bool:
     """Furniture ends freely at its other end; a wall goes on to a corner or out of sight."""
     span = lengths(view.surfaces)
     near, far = float(span[line.wall]), float(span[jambs.other])
-    behind = _wall_line_reversed(line)
+    behind = line.reversed()
     if not jambs.in_line:
         corner = _anchored(behind, view, line.wall, 0.0, params)
         return corner and min(near, far) >= params.corner_wall
@@ -213,30 +168,12 @@ def _held_by_walls(line: _WallLine, jambs: _Jambs, view: View, params: Gaps) -> 
     return (near_anchored or far_anchored) and near + far >= params.long_wall
 
 
-def _wall_line_reversed(line: _WallLine) -> _WallLine:
-    return _WallLine(
-        line.wall,
-        -line.step,
-        line.origin,
-        -line.direction,
-        -line.along,
-        line.height,
-        -line.crossing,
-        line.code,
-        -line.robot_along,
-        line.robot_height,
-    )
-
-
-def _anchored(line: _WallLine, view: View, wall: int, reach: float, params: Gaps) -> bool:
+def _anchored(line: WallLine, view: View, wall: int, reach: float, params: Gaps) -> bool:
     """Whether a wall on the line does not end freely, going on in the sense of travel.
 
     It meets something, leaves the view, or goes on behind an opening no wider than ``reach``.
     """
-    beams = _beams_after(line, view, wall)
-    code = line.code[beams]
-    begin = _first(code != ON)
-    stop = begin + _first(code[begin:] != PASS)
+    beams, begin, stop = line.passing_beams(view, wall)
     if begin == stop:
         return True
     if stop == len(beams):
@@ -248,7 +185,7 @@ def _anchored(line: _WallLine, view: View, wall: int, reach: float, params: Gaps
     return bool(opening <= (reach if goes_on else params.jamb_distance))
 
 
-def _across(line: _WallLine, jambs: _Jambs, params: Gaps) -> Segments:
+def _across(line: WallLine, jambs: _Jambs, params: Gaps) -> Segments:
     """The exit in the middle of the wall's thickness, as far as a jamb face shows it."""
     hit, depth = line.along[jambs.run], -line.height[jambs.run]
     on_face = np.abs(hit - jambs.near) <= params.face_distance
@@ -269,4 +206,4 @@ def _without_doubles(exits: Segments, weight: Array, params: Gaps) -> Segments:
         gap = np.hypot(*(middle[kept] - middle[row]).T)
         if not (gap < params.min_width).any():
             kept.append(int(row))
-    return exits[np.sort(kept)]
+    return np.asarray(exits[np.sort(kept)])

@@ -6,8 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from numpy.typing import NDArray
+
 from agents.cogmap.params import Exits
-from cogmap_gym.geometry import Points, Pose, Segments, cross
+from cogmap_gym.geometry import Points, Pose, Segments, cross, segments_cross
 
 NOWHERE = 0
 """The id of no ASR."""
@@ -149,6 +151,28 @@ def _meetings(path: Points, known: Exit, params: Exits) -> Points:
     t = side[rows] / (side[rows] - side[rows + 1])
     at = along[rows] + t * (along[rows + 1] - along[rows])
     return rows[(at > -params.slack) & (at < width + params.slack)]
+
+
+def seen_through_exit(book: Book, robot: Points, points: Points, beside: float) -> NDArray[np.bool_]:
+    """Which points (P, 2) lie behind, or in, an exit as seen from the robot (2,), (P,).
+
+    Args:
+        book: all exits.
+        robot: (2,) in the MFIS.
+        points: (P, 2) in the MFIS.
+        beside: an exit covers this much more than itself at both ends [m].
+    """
+    out = np.zeros(len(points), dtype=np.bool_)
+    for e in book:
+        if e.sightings == 0 or e.left == e.right:
+            continue
+        d = e.line[1] - e.line[0]
+        wide = d / np.hypot(d[0], d[1]) * beside
+        line = np.stack((e.line[0] - wide, e.line[1] + wide))[None]
+        sights = np.stack((np.broadcast_to(robot, points.shape), points), axis=1)
+        out |= segments_cross(sights, line)[:, 0]
+        out |= np.hypot(*(points - e.middle).T) < 0.5 * np.hypot(d[0], d[1]) + beside
+    return out
 
 
 def _through_another(book: Book, robot: Points, middle: Points, params: Exits) -> bool:

@@ -74,7 +74,7 @@ def choose(memory: Memory, view: View, params: Params) -> Intent:
             return Intent(LOOK, at)
         return Intent(SPOT, spot)
     best = _best_exit(memory, params)
-    gap = _best_gap(memory, stay.gaps)
+    gap = _best_gap(memory, _unexplored(memory, params))
     if best is not None and (best.crossed < 0 or gap is None or stay.known):
         return Intent(EXIT, best.middle, best.id)
     if gap is not None:
@@ -104,6 +104,15 @@ def _best_exit(memory: Memory, params: Params) -> Exit | None:
     if not options:
         return None
     return min(options, key=lambda e: (e.crossed, -float(np.hypot(*(e.middle - at)))))
+
+
+def _unexplored(memory: Memory, params: Params) -> Points:
+    """Where to go to see more of this place, (K, 2) in the MFIS."""
+    dim = memory.stay.dim
+    d = dim[:, 1] - dim[:, 0]
+    left = np.stack((-d[:, 1], d[:, 0]), axis=-1) / np.hypot(d[:, 0], d[:, 1])[:, None]
+    before = dim.mean(axis=1) + params.curiosity.stand * left
+    return np.concatenate((memory.stay.gaps, before))
 
 
 def _best_gap(memory: Memory, gaps: Points) -> Points | None:
@@ -156,8 +165,15 @@ def give_up(memory: Memory) -> Memory:
         )
         return replace(memory, book=book, intent=None)
     if intent.kind == GAP:
-        far = np.hypot(*(memory.stay.gaps - intent.target).T) > math.ulp(1.0)
-        return replace(memory.with_stay(gaps=memory.stay.gaps[far]), intent=None)
+        return replace(_without(memory, intent.target), intent=None)
     return memory.with_stay(looked=True) if intent.kind == LOOK else replace(
         memory, intent=Intent(SPOT, memory.pose.position)
     )
+
+
+def _without(memory: Memory, target: Points) -> Memory:
+    """The memory without the gaps and dim walls about this target (2,)."""
+    stay = memory.stay
+    far = np.hypot(*(stay.gaps - target).T) > 1.0
+    away = np.hypot(*(stay.dim.mean(axis=1) - target).T) > 1.0
+    return memory.with_stay(gaps=stay.gaps[far], dim=stay.dim[away])

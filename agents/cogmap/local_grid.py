@@ -39,10 +39,10 @@ def clearance_grid(
     obstacles: Points, start: Points, goal: Points, params: Navigation
 ) -> ClearanceGrid:
     """Distance from each cell's centre to the nearest obstacle, to a few millimetres."""
-    margin = np.full(2, params.detour)
-    low = np.minimum(start, goal) - margin
-    high = np.maximum(start, goal) + margin
-    centre, half = (low + high) / 2, np.minimum((high - low) / 2, params.max_grid / 2)
+    low, high = np.minimum(start, goal), np.maximum(start, goal)
+    most = np.maximum(params.max_grid, high - low + 2 * params.goal_reach)
+    half = np.minimum(high - low + 2 * params.detour, most) / 2
+    centre = (low + high) / 2
     shape = np.ceil(2 * half / params.cell).astype(np.int64) + 1
     # Cell centres fall on the start, so that the path does not depend on the origin.
     corner = start - params.cell * np.rint((start - (centre - half)) / params.cell)
@@ -50,13 +50,13 @@ def clearance_grid(
     inside = ((index >= 0) & (index < shape)).all(axis=1)
     row, column = index[inside].T
     if not len(row):
-        return ClearanceGrid(corner, params.cell, np.full(shape, math.inf))
+        return ClearanceGrid(corner, params.cell, np.full(tuple(shape), math.inf))
     empty = np.ones(shape, dtype=np.bool_)
     empty[row, column] = False
     held = np.zeros((*shape, 2))
     held[row, column] = obstacles[inside]
     nearest = distance_transform_edt(empty, return_distances=False, return_indices=True)
-    centres = corner + params.cell * np.stack(np.indices(tuple(shape)), axis=-1)
+    centres = corner + params.cell * np.moveaxis(np.indices(tuple(shape)), 0, -1)
     gap = held[nearest[0], nearest[1]] - centres
     return ClearanceGrid(corner, params.cell, np.hypot(gap[..., 0], gap[..., 1]))
 
@@ -72,7 +72,9 @@ def free_cells(
         reach = math.ceil(params.leave_radius / grid.cell)
         rows = slice(max(at[0] - reach, 0), at[0] + reach + 1)
         columns = slice(max(at[1] - reach, 0), at[1] + reach + 1)
-        free[rows, columns] |= grid.clearance[rows, columns] >= here - params.margin
+        free[rows, columns] |= grid.clearance[rows, columns] >= max(
+            here - params.margin, params.cell
+        )
         free[at[0], at[1]] = True
     return free
 
@@ -80,6 +82,7 @@ def free_cells(
 def nearest_free(
     grid: ClearanceGrid, free: NDArray[np.bool_], goal: Points, params: Navigation
 ) -> Cells | None:
+    """The goal's cell if it is free, else the nearest free one within ``goal_reach``, or None."""
     at = grid.cells(goal)
     if free[at[0], at[1]]:
         return at
@@ -98,6 +101,7 @@ def cheapest(
     safe: float,
     params: Navigation,
 ) -> Cells | None:
+    """The cells (K, 2) of the cheapest way from start to target, or None if there is none."""
     lack = (params.soft_clearance - grid.clearance) / (params.soft_clearance - safe)
     costs = np.where(free, 1.0 + params.near_cost * np.maximum(lack, 0.0) ** 2, -1.0)
     search = MCP_Geometric(costs)

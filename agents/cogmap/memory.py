@@ -10,7 +10,7 @@ from agents.cogmap.association import Beams
 from agents.cogmap.exits import NOWHERE, Book, Exit
 from agents.cogmap.mapper import BLANK, Mapping
 from agents.cogmap.places import Network
-from cogmap_gym.geometry import Points, Pose
+from cogmap_gym.geometry import NO_SEGMENTS, Points, Pose, Segments
 
 NO_POINTS: Points = np.zeros((0, 2))
 NO_POINTS.setflags(write=False)
@@ -57,6 +57,8 @@ class Stay:
     """How far it has turned in looking round [rad]."""
     gaps: Points = field(default_factory=lambda: NO_POINTS)
     """(G, 2) in the MFIS: middles of gaps not yet explored."""
+    dim: Segments = field(default_factory=lambda: NO_SEGMENTS)
+    """(D, 2, 2) in the MFIS: walls seen too sparsely to show a door."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

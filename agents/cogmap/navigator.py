@@ -15,6 +15,9 @@ from agents.cogmap.params import Navigation
 from cogmap_gym.geometry import Array, Points, Segments, lengths, point_segment_distances
 from cogmap_gym.observation import RobotSpec
 
+PIONEER = RobotSpec()
+"""The robot of the thesis."""
+
 
 def sample_surfaces(segments: Segments, spacing: float) -> Points:
     """Points along segments, ends included, for use as obstacles.
@@ -73,7 +76,7 @@ def plan_path(
     start: Points,
     goal: Points,
     params: Navigation,
-    robot: RobotSpec = RobotSpec(),  # noqa: B008  (frozen)
+    robot: RobotSpec = PIONEER,
 ) -> Points | None:
     """The cheapest safe path of the disc, on a local grid round start and goal.
 
@@ -165,7 +168,7 @@ def _farthest_in_sight(path: Points, points: Points, body: float) -> Points:
         distance = math.hypot(target[0], target[1])
         heading = math.atan2(target[1], target[0])
         if clear_distance(points, heading, body, distance) >= distance:
-            return target
+            return np.asarray(target)
     away = path[np.hypot(path[:, 0], path[:, 1]) > body]
     return np.asarray(away[0] if len(away) else path[-1])
 

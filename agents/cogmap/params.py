@@ -236,16 +236,30 @@ class Exploration:
     """And aims so far beyond it [m]. Ours: past the 0.35 m of a crossing."""
     arrival: float = 0.4
     """A target within this is reached [m]. Ours: a step's uncertainty."""
-    visited: float = 1.2
-    """A gap the robot came as near to is explored [m]. Ours: what it hid is then in view."""
-    open_radius: float = 0.5
-    """A gap all of whose surroundings so far are seen to be open is no gap [m]. Ours: a body."""
     survey_reach: float = 4.0
     """Beams are cut at this length to find the middle of a space [m]. Ours: rooms of 8 m."""
     patience: int = 12
     """Steps after which a target not reached is given up [1]. Ours: three times the usual."""
     max_failures: int = 2
     """An exit given up as often is left alone until seen again [1]. Ours: deadlocks."""
+
+
+@dataclass(frozen=True, slots=True)
+class Curiosity:
+    """What a place still hides (thesis 3.3, gaps)."""
+
+    visited: float = 1.2
+    """A gap the robot came as near to is explored [m]. Ours: what it hid is then in view."""
+    open_radius: float = 0.5
+    """A gap all of whose surroundings so far are seen to be open is no gap [m]. Ours: a body."""
+    max_spacing: float = 0.25
+    """Walls seen by beams farther apart may hide a doorway [m]. Ours: three beams in 0.8 m."""
+    piece: float = 0.75
+    """Walls are judged by pieces of this length [m]. Ours: about a door."""
+    beside_exit: float = 0.3
+    """Sights this far beside an exit still go through it [m]. Ours: jambs and noise."""
+    stand: float = 0.8
+    """A wall is looked at from so far before it [m]. Ours: the middle of a corridor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -356,6 +370,8 @@ class Boundary:
     """A closed ASR disowns surfaces outside it [1]. Ours: a wrong tag ruins the next ASR."""
     shut_gap: float = 1.3
     """Gaps in line with a wall up to here are not seen through [m]. Ours: exits' width."""
+    exit_flank: float = 1.0
+    """Wall beside an exit that is not seen through [m]. Ours: exits stand in walls."""
     look_spacing: float = 0.7
     """Least distance between path points to look from [m]. Ours: half a move."""
     max_looks: int = 14
@@ -407,6 +423,7 @@ class Params:
     exits: Exits = field(default_factory=Exits)
     association: Association = field(default_factory=Association)
     exploration: Exploration = field(default_factory=Exploration)
+    curiosity: Curiosity = field(default_factory=Curiosity)
     journeys: Journeys = field(default_factory=Journeys)
     gaps: Gaps = field(default_factory=Gaps)
     navigation: Navigation = field(default_factory=Navigation)

@@ -10,15 +10,16 @@ from numpy.typing import NDArray
 
 from agents.cogmap.association import Beams
 from agents.cogmap.bounded_space import Openings
+from agents.cogmap.curiosity import dim_walls, open_gaps
 from agents.cogmap.exits import remember_exits
 from agents.cogmap.mapper import update
-from agents.cogmap.memory import NEWBORN, Memory
+from agents.cogmap.memory import Memory
 from agents.cogmap.mfis import FORGOTTEN, UNTAGGED, Edit
 from agents.cogmap.obstacles import remember_obstacles
 from agents.cogmap.params import Params
 from agents.cogmap.places import links
 from agents.cogmap.view import View
-from cogmap_gym.geometry import Points, Pose
+from cogmap_gym.geometry import Pose
 from cogmap_gym.observation import LaserSpec
 
 
@@ -55,7 +56,8 @@ def perceive(
         path=np.concatenate((memory.stay.path, here)),
         beams=(*memory.stay.beams, _beams(view, pose))[-params.association.views :],
         views=memory.stay.views + 1,
-        gaps=_open_gaps(memory.stay.gaps, seen, view, pose, laser, params),
+        gaps=open_gaps(memory.stay.gaps, seen, view, pose, laser, book, params.curiosity),
+        dim=dim_walls(memory.stay.dim, view, pose, laser, book, params.curiosity),
     )
     return (
         replace(
@@ -88,33 +90,3 @@ def _beams(view: View, pose: Pose) -> Beams:
     points = view.points[np.isfinite(view.points).all(axis=1)]
     ends = pose.apply(points)
     return Beams(np.broadcast_to(pose.position, ends.shape), ends)
-
-
-def _open_gaps(
-    gaps: Points, seen: Openings, view: View, pose: Pose, laser: LaserSpec, params: Params
-) -> Points:
-    """Middles of gaps (G, 2) in the MFIS that wait to be explored: not near, not yet in the open."""
-    new = pose.apply(seen.gaps.mean(axis=1))
-    together = np.concatenate((gaps, new))
-    if not len(together):
-        return together
-    p = params.exploration
-    in_robot = pose.inverse().apply(together)
-    distance = np.hypot(in_robot[:, 0], in_robot[:, 1])
-    bearing = np.arctan2(in_robot[:, 1], in_robot[:, 0])
-    ranges = np.hypot(view.points[:, 0], view.points[:, 1])
-    waits = distance > p.visited
-    for k in np.flatnonzero(waits[: len(gaps)]):
-        half = max(p.open_radius / distance[k], laser.step)
-        first = (bearing[k] - half - laser.first_angle) / laser.step
-        last = (bearing[k] + half - laser.first_angle) / laser.step
-        if first < 0 or last >= len(ranges):
-            continue
-        beams = ranges[int(first) : int(last) + 1]
-        waits[k] = not bool((beams > distance[k] + p.open_radius).all())
-    kept: list[int] = []
-    for k in np.flatnonzero(waits):
-        apart = np.hypot(*(together[kept] - together[k]).T)
-        if not (apart < p.visited).any():
-            kept.append(int(k))
-    return together[kept]

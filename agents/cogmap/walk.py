@@ -164,12 +164,18 @@ def _unfolded(points: Points, params: Boundary) -> shapely.Polygon | None:
     if len(points) < 3:
         return None
     ring = shapely.Polygon(points)
-    parts = shapely.get_parts(ring if ring.is_valid else shapely.make_valid(ring))
-    areas = shapely.area(parts)
-    largest = parts[int(areas.argmax())]
-    if areas.sum() - areas.max() > params.max_fold or largest.interiors:
+    pieces = shapely.get_parts(shapely.make_valid(ring))
+    parts = [p for p in shapely.get_parts(pieces) if p.geom_type == "Polygon"]
+    if not parts:
+        return None
+    largest = max(parts, key=_area)
+    if sum(map(_area, parts)) - _area(largest) > params.max_fold or largest.interiors:
         return None
     return orient(largest)
+
+
+def _area(polygon: shapely.Polygon) -> float:
+    return float(polygon.area)
 
 
 def _contains(polygon: shapely.Polygon, path: Segments, params: Boundary) -> bool:

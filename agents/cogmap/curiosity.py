@@ -1,0 +1,126 @@
+"""What a place still hides: gaps not gone through, and walls seen too sparsely to show a door."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.cogmap.bounded_space import Openings
+from agents.cogmap.exits import Book, seen_through_exit
+from agents.cogmap.params import Curiosity
+from agents.cogmap.view import View
+from cogmap_gym.geometry import Points, Pose, Segments, lengths
+from cogmap_gym.observation import LaserSpec
+
+Bools = NDArray[np.bool_]
+
+
+def open_gaps(
+    gaps: Points,
+    seen: Openings,
+    view: View,
+    pose: Pose,
+    laser: LaserSpec,
+    book: Book,
+    params: Curiosity,
+) -> Points:
+    """Middles of gaps that wait to be explored, brought up to date with a view.
+
+    Args:
+        gaps: (G, 2) in the MFIS, from earlier views of this stay.
+        seen: gaps of the view, in the robot's frame.
+        view: the view.
+        pose: ``mfis_from_robot``.
+        laser: the laser.
+        book: exits; what lies behind one is another place's.
+        params: distances.
+
+    Returns:
+        (H, 2): not where the robot was near, not where all around is seen to be open.
+    """
+    new = pose.apply(seen.gaps.mean(axis=1))
+    new = new[~seen_through_exit(book, pose.position, new, params.beside_exit)]
+    in_robot = pose.inverse().apply(gaps)
+    distance = np.hypot(in_robot[:, 0], in_robot[:, 1])
+    reach, covered = _beams_around(in_robot, distance, view, laser, params)
+    gaps = gaps[~(covered & (reach > distance + params.open_radius))]
+    together = np.concatenate((gaps, new))
+    far = np.hypot(*(together - pose.position).T) > params.visited
+    return _thinned(together[far], params.visited)
+
+
+def dim_walls(
+    dim: Segments, view: View, pose: Pose, laser: LaserSpec, book: Book, params: Curiosity
+) -> Segments:
+    """Pieces of wall seen only by beams so far apart that a doorway could lie between.
+
+    Args:
+        dim: (D, 2, 2) in the MFIS, from earlier views of this stay, free space on the left.
+        view: the view.
+        pose: ``mfis_from_robot``.
+        laser: the laser.
+        book: exits; what lies behind one is another place's.
+        params: distances.
+
+    Returns:
+        (E, 2, 2) likewise.
+    """
+    pieces = _pieces(view.surfaces, params.piece)
+    sparse = pieces[_spacing(pieces, laser) > params.max_spacing]
+    new = pose.apply(sparse)
+    new = new[~seen_through_exit(book, pose.position, new.mean(axis=1), params.beside_exit)]
+    old = pose.inverse().apply(dim)
+    middle = old.mean(axis=1)
+    distance = np.hypot(middle[:, 0], middle[:, 1])
+    reach, covered = _beams_around(middle, distance, view, laser, params)
+    in_sight = covered & (reach > distance - params.open_radius)
+    dim = dim[~(in_sight & (_spacing(old, laser) <= params.max_spacing))]
+    for piece in new:
+        if not (np.hypot(*(dim.mean(axis=1) - piece.mean(axis=0)).T) < params.piece).any():
+            dim = np.concatenate((dim, piece[None]))
+    return dim
+
+
+def _pieces(surfaces: Segments, size: float) -> Segments:
+    """Long surfaces cut into pieces of about ``size``, (P, 2, 2)."""
+    counts = np.floor(lengths(surfaces) / size).astype(np.int64)
+    rows = np.repeat(np.arange(len(surfaces)), counts)
+    k = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
+    along = surfaces[rows, 1] - surfaces[rows, 0]
+    ends = np.stack((k / counts[rows], (k + 1) / counts[rows]), axis=-1)
+    return np.asarray(surfaces[rows, :1] + ends[..., None] * along[:, None])
+
+
+def _spacing(pieces: Segments, laser: LaserSpec) -> NDArray[np.float64]:
+    """Distance between neighbouring beams on each piece [m], seen from the robot, (P,)."""
+    d = pieces[:, 1] - pieces[:, 0]
+    size = np.maximum(np.hypot(d[:, 0], d[:, 1]), 1e-9)
+    across = np.abs(d[:, 0] * pieces[:, 0, 1] - d[:, 1] * pieces[:, 0, 0]) / size
+    squared = (pieces.mean(axis=1) ** 2).sum(axis=-1)
+    return np.asarray(squared * laser.step / np.maximum(across, 1e-3))
+
+
+def _beams_around(
+    points: Points, distance: NDArray[np.float64], view: View, laser: LaserSpec, params: Curiosity
+) -> tuple[NDArray[np.float64], Bools]:
+    """The shortest beam within ``open_radius`` of each point (P, 2), and whether all are in view."""
+    ranges = np.hypot(view.points[:, 0], view.points[:, 1])
+    bearing = np.arctan2(points[:, 1], points[:, 0])
+    half = np.maximum(params.open_radius / np.maximum(distance, 1e-9), laser.step)
+    first = np.floor((bearing - half - laser.first_angle) / laser.step).astype(np.int64)
+    last = np.ceil((bearing + half - laser.first_angle) / laser.step).astype(np.int64)
+    covered = (first >= 0) & (last < len(ranges))
+    reach = np.array(
+        [np.min(ranges[a : b + 1]) if c else np.nan
+         for a, b, c in zip(first, last, covered, strict=True)]
+    ).reshape(len(points))  # fmt: skip
+    return reach, covered & np.isfinite(reach)
+
+
+def _thinned(points: Points, apart: float) -> Points:
+    """Points no two of which are nearer than ``apart``; the first ones stay."""
+    kept: list[int] = []
+    for k in range(len(points)):
+        if not (np.hypot(*(points[kept] - points[k]).T) < apart).any():
+            kept.append(k)
+    return points[kept]
