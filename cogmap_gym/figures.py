@@ -26,7 +26,7 @@ Sketch = Mapping[str, Any]
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
-ASR_COLORS = (SKY, ORANGE, PURPLE, YELLOW, BLUE)
+ASR_COLORS = (SKY, ORANGE, PURPLE, YELLOW, BLUE, "#999999", GREEN, VERMILLION)
 WALL, LIGHT_WALL = "#4D4D4D", "#C4C4C4"
 FURNITURE, LIGHT_FURNITURE = "#D9D9D9", "#F0F0F0"
 SMALL_PT, MEDIUM_PT, LARGE_PT = 5.5, 7.0, 9.0
@@ -65,7 +65,7 @@ def plot_plan(
     labels = labels_of(ax)
     for name, door in plan.doors.items() if names else ():
         color = VERMILLION if name in shut else WALL
-        labels.add(name, np.asarray(door), size=MEDIUM_PT, color=color)
+        labels.add(name, np.asarray(door), size=MEDIUM_PT, color=color, clear=3.0)
     for name, room in plan.rooms.items() if names else ():
         labels.add(name, _on(_inside(room)), size=LARGE_PT, color="#7F7F7F")
     for wall in walls if names else ():
@@ -73,19 +73,21 @@ def plot_plan(
 
 
 def plot_surfaces(
-    ax: Axes, surfaces: Sketch | Segments, *, ids: bool = True, color: str = BLACK
-) -> None:
+    ax: Axes, surfaces: Sketch | Segments, *,
+    ids: bool | Sequence[str] = True, color: str = BLACK, label: str = "surface", style: str = "-",
+) -> None:  # fmt: skip
     """Draw the surfaces of a sketch, or Segments (N, 2, 2), each beside its id.
 
-    The id of a row of Segments is its number, from 0. An id that would cover another is
-    left out.
+    The id of a row of Segments is its number, from 0, unless ``ids`` names them. An id that
+    would cover another is left out.
     """
     lines, names = _segments(surfaces)
-    _lines(ax, list(lines), color, 1.4, "surface")
+    names = names if isinstance(ids, bool) else list(ids)
+    _lines(ax, list(lines), color, 1.4, label, style)
     labels = labels_of(ax)
     labels.avoid(lines)
     order = np.argsort(-np.hypot(*(lines[:, 1] - lines[:, 0]).T)) if len(lines) else ()
-    for row in order if ids else ():
+    for row in order if ids is not False else ():
         labels.add(names[row], lines[row], size=SMALL_PT, color=color)
 
 
@@ -113,7 +115,7 @@ def plot_exits(ax: Axes, sketch: Sketch, *, ids: bool = True) -> None:
     _lines(ax, list(lines), GREEN, 3.0, "exit")
     labels_of(ax).avoid(lines)
     for leave, line in zip(sketch["exits"] if ids else (), lines, strict=False):
-        labels_of(ax).add(str(leave["id"]), line, size=MEDIUM_PT, color=GREEN)
+        labels_of(ax).add(str(leave["id"]), line, size=MEDIUM_PT, color=GREEN, clear=2.0)
 
 
 def plot_network(ax: Axes, sketch: Sketch) -> None:
@@ -190,8 +192,8 @@ def finish(ax: Axes, title: str = "", *, legend: bool = True) -> None:
     shown = dict(zip(names, handles, strict=True))
     if legend and shown:
         ax.legend(
-            list(shown.values()), list(shown), loc="upper center", frameon=False,
-            bbox_to_anchor=(0.5, -0.09), ncols=4, fontsize=8, markerscale=0.7,
+            list(shown.values()), list(shown), loc="upper center", frameon=False, ncols=4,
+            bbox_to_anchor=(0.5, 0.0), borderaxespad=5.0, fontsize=8, markerscale=0.7,
         )  # fmt: skip
 
 

@@ -12,8 +12,6 @@ Ends of segments are closed: a beam that passes within ``SLACK`` of an end meets
 beam leaks through a corner. Walls are drawn in the *fan frame*: the laser at the origin, the
 middle of the fan along +x, so that the seam at +-pi lies behind the fan. ``fan`` is
 (2, beams): the cosines and sines of the beams there.
-
-All kernels stand in one file, since numba's cache notices no change in another.
 """
 
 from __future__ import annotations
@@ -43,12 +41,13 @@ def compiled(function: _F) -> _F:
     """Compile a numeric kernel, or leave it to Python under ``NUMBA_DISABLE_JIT=1``.
 
     No fast-math, so that bits do not depend on the processor; in Python, integers wrap and
-    floats overflow as quietly as in compiled code.
+    floats overflow as quietly as in compiled code. Only kernels of the same file may be
+    called from a kernel: the cache on disk notices no change in another file.
     """
     jit: Any = numba
     if jit.config.DISABLE_JIT:
         return np.errstate(all="ignore")(function)
-    kernel: _F = jit.njit(cache=True, error_model="numpy")(function)
+    kernel: _F = jit.njit(cache=True, error_model="numpy", forceinline=True)(function)
     return kernel
 
 
@@ -131,7 +130,10 @@ def _paint(low: int, high: int, a: float, b: float, fan: Array, inverse: Array) 
 def _draw(
     px: float, py: float, qx: float, qy: float, fan: Array, step: float, inverse: Array
 ) -> None:
-    """Draw the wall from p to q, in the fan frame."""
+    """Draw the wall from p to q, in the fan frame.
+
+    One exit only: with a second, numba counts references on every call, at twice the time.
+    """
     sx, sy = qx - px, qy - py
     c = px * sy - py * sx
     if c * c > SLACK * SLACK * (sx * sx + sy * sy):
@@ -139,9 +141,13 @@ def _draw(
         if c < 0.0:
             px, py, qx, qy = qx, qy, px, py
     else:  # Edge-on: only the nearer end shows.
-        if px * px + py * py < qx * qx + qy * qy:
-            qx, qy = px, py
-        px, py = qx, qy
+        if px * qx + py * qy <= 0.0:  # The laser stands on it; then any end will do.
+            for i in range(len(inverse)):
+                inverse[i] = math.inf
+            px, py = 1.0, 0.0
+        elif px * px + py * py > qx * qx + qy * qy:
+            px, py = qx, qy
+        qx, qy = px, py
         d = px * px + py * py
         a, b = px / d, py / d
     low = _first_beam(px, py, fan, step)
@@ -153,29 +159,27 @@ def _draw(
 
 
 @compiled
-def _any_open(low_angle: float, high_angle: float, step: float, open_at: Ints) -> bool:
-    """Whether a beam between two angles of the fan frame is open."""
-    last = len(open_at) - 2
-    low = math.ceil(min(max(low_angle / step + 0.5 * last, 0.0), last + 1.0))
-    high = math.floor(max(min(high_angle / step + 0.5 * last, 1.0 * last), -1.0))
-    return low <= high and open_at[low] <= high
+def _cell_beams(x: float, y: float, cell: float, step: float, last: int) -> tuple[int, int, int]:
+    """Beams that may enter the cell whose middle is (x, y) in the fan frame.
 
-
-@compiled
-def _cell_shows(x: float, y: float, cell: float, step: float, open_at: Ints) -> bool:
-    """Whether an open beam may enter the cell whose middle is (x, y) in the fan frame."""
+    Returns:
+        ``(low, high, over)``: beams low..high and 0..over; either may be none.
+    """
+    low_angle, high_angle = -math.pi, math.pi
     distance = math.sqrt(x * x + y * y)
-    if distance < 1.5 * cell:
-        return True
-    middle = _angle(x, y)
-    # The circle round the cell; asin(z) < 1.05 z from 1.5 cells away.
-    half = 1.05 * math.sqrt(0.5) * cell / distance + ANGLE_ERROR
-    low, high = middle - half, middle + half
-    return (
-        _any_open(low, high, step, open_at)
-        or (low < -math.pi and _any_open(low + math.tau, math.pi, step, open_at))
-        or (high > math.pi and _any_open(-math.pi, high - math.tau, step, open_at))
-    )
+    if distance > 1.5 * cell:
+        middle = _angle(x, y)
+        # The circle round the cell; asin(z) < 1.05 z from 1.5 cells away.
+        half = 1.05 * math.sqrt(0.5) * cell / distance + ANGLE_ERROR
+        low_angle, high_angle = middle - half, middle + half
+    over = -1.0
+    if low_angle < -math.pi:
+        low_angle, high_angle = low_angle + math.tau, high_angle + math.tau
+    if high_angle > math.pi:  # Across the seam behind the fan.
+        over = min((high_angle - math.tau) / step + 0.5 * last, 1.0 * last)
+    low = min(max(low_angle / step + 0.5 * last, 0.0), last + 1.0)
+    high = max(min(high_angle / step + 0.5 * last, 1.0 * last), -1.0)
+    return math.ceil(low), math.floor(high), math.floor(max(over, -1.0))
 
 
 @compiled
@@ -202,9 +206,9 @@ def _find_open(reach: float, inverse: Array, open_at: Ints) -> None:
     """Set ``open_at[i]`` to the first beam from i on that may yet be shortened."""
     final = 1.0 / reach
     nearest = len(inverse)
-    for k in range(len(inverse)):
-        i = len(inverse) - 1 - k
-        nearest = i if inverse[i] < final else nearest
+    for k in range(np.uint64(1), np.uint64(len(inverse) + 1)):
+        i = np.uint64(len(inverse)) - k
+        nearest = len(inverse) - k if inverse[i] < final else nearest
         open_at[i] = nearest
 
 
@@ -236,15 +240,21 @@ def cast(
     reach = _reach(gx, gy, ring, cell, columns, lines)
     while reach < range_max and open_at[0] < beams:
         for j in range(max(line - ring, 0), min(line + ring, lines - 1) + 1):
-            whole = abs(j - line) == ring
-            for i in range(max(column - ring, 0), min(column + ring, columns - 1) + 1):
-                if not whole and abs(i - column) != ring:
+            # A ring's first and last lines are whole; of the others it has the two ends.
+            left, right, hop = column - ring, column + ring, 2 * ring
+            if abs(j - line) == ring:
+                left, right, hop = max(left, 0), min(right, columns - 1), 1
+            for i in range(left, right + 1, hop):
+                if i < 0 or i >= columns:
                     continue
                 k = j * columns + i
                 if first[k] == first[k + 1]:
                     continue
                 mx, my = (i + 0.5) * cell - gx, (j + 0.5) * cell - gy
-                if not _cell_shows(c * mx + s * my, c * my - s * mx, cell, step, open_at):
+                low, high, over = _cell_beams(
+                    c * mx + s * my, c * my - s * mx, cell, step, beams - 1
+                )
+                if open_at[low] > high and open_at[0] > over:
                     continue
                 for n in range(first[k], first[k + 1]):
                     row = rows[n]

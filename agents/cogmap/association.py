@@ -45,6 +45,12 @@ class Hypothesis:
     """Share of beams that end on a surface of the place."""
     contradiction: float
     """Share of judged beams that go through one."""
+    distance: float
+    """How far the pose is shifted [m]."""
+
+    def score(self, params: Association) -> float:
+        """What ranks shifts into one place, and places."""
+        return self.coverage - self.contradiction - params.shift_penalty * self.distance
 
     def holds(self, params: Association) -> bool:
         """Whether the evidence alone is good enough."""
@@ -68,25 +74,67 @@ def best_hypothesis(
     reach = min(params.base_shift + params.shift_per_metre * travelled, params.max_shift)
     turn = min(params.base_turn + params.turn_per_metre * travelled, params.max_turn)
     pivot = beams.origins.mean(axis=0)
-    ends = beams.ends[:: max(1, len(beams.ends) // params.search_beams)]
-    step, turn_step = params.search_step, params.search_turn
-    at = np.zeros(3)
+    ends = beams.ends[:: max(1, len(beams.ends) // params.search_beams)] - pivot
     field, low = _distance_field(surfaces, beams, reach, params.field_cell)
+    best: Hypothesis | None = None
+    for peak in _peaks(ends, pivot - low, field, reach, turn, params):
+        at = _refine(ends, pivot - low, field, peak, params)
+        shift = Pose(at[0] + pivot[0], at[1] + pivot[1], at[2]) @ Pose(-pivot[0], -pivot[1], 0.0)
+        moved = beams.moved(shift)
+        matched, through, count = _evidence(moved.origins, moved.ends, surfaces, params.beam_match)
+        tried = Hypothesis(
+            place,
+            shift,
+            matched / max(count, 1),
+            through / max(matched + through, 1),
+            float(np.hypot(at[0], at[1])),
+        )
+        if best is None or tried.score(params) > best.score(params):
+            best = tried
+    assert best is not None, "a search has at least one peak"
+    return best
+
+
+def _peaks(
+    ends: Points,
+    pivot: Points,
+    field: NDArray[np.float32],
+    reach: float,
+    turn: float,
+    params: Association,
+) -> Array:
+    """The best shifts (x, y, theta) of a coarse search, apart from each other, (K, 3)."""
+    offsets, turns = _offsets(reach, params.search_step), _offsets(turn, params.search_turn)
+    zero = np.zeros(3)
+    scores = _scores(ends, pivot, field, params.field_cell, zero, offsets, turns, params.beam_match)
+    scores -= params.shift_penalty * np.hypot(offsets[:, None], offsets[None])
+    best_turn = scores.argmax(axis=0)
+    scores = scores.max(axis=0)
+    peaks = []
+    for _ in range(params.peaks):
+        i, j = np.unravel_index(int(scores.argmax()), scores.shape)
+        if not np.isfinite(scores[i, j]):
+            break
+        peaks.append((offsets[i], offsets[j], turns[best_turn[i, j]]))
+        near = np.hypot(offsets[:, None] - offsets[i], offsets[None] - offsets[j])
+        scores[near < params.peak_distance] = -np.inf
+    return np.array(peaks)
+
+
+def _refine(
+    ends: Points, pivot: Points, field: NDArray[np.float32], at: Array, params: Association
+) -> Array:
+    """A peak (x, y, theta) made sharp by ever finer searches about it."""
+    reach, turn = params.search_step, params.search_turn
     for _ in range(params.refinements):
-        offsets = _offsets(reach, step)
-        turns = _offsets(turn, turn_step)
-        at = _search(
-            ends - pivot, pivot - low, field, params.field_cell, at, offsets, turns,
-            params.beam_match, params.shift_penalty,
-        )  # fmt: skip
-        reach, turn = step, turn_step
-        step, turn_step = step / params.refinement, turn_step / params.refinement
-    shift = Pose(at[0] + pivot[0], at[1] + pivot[1], at[2]) @ Pose(-pivot[0], -pivot[1], 0.0)
-    moved = beams.moved(shift)
-    matched, through, count = _evidence(moved.origins, moved.ends, surfaces, params.beam_match)
-    return Hypothesis(
-        place, shift, matched / max(count, 1), through / max(matched + through, 1)
-    )
+        offsets, turns = _offsets(reach, reach / 2.0), _offsets(turn, turn / 2.0)
+        scores = _scores(
+            ends, pivot, field, params.field_cell, at, offsets, turns, params.beam_match
+        )
+        t, i, j = np.unravel_index(int(scores.argmax()), scores.shape)
+        at = at + np.array((offsets[i], offsets[j], turns[t]))
+        reach, turn = reach / 2.0, turn / 2.0
+    return at
 
 
 def _offsets(reach: float, step: float) -> Array:
@@ -111,7 +159,7 @@ def _distance_field(
 
 
 @njit(cache=True)
-def _search(
+def _scores(
     ends: Points,
     pivot: Points,
     field: NDArray[np.float32],
@@ -120,30 +168,24 @@ def _search(
     offsets: Array,
     turns: Array,
     reach: float,
-    penalty: float,
 ) -> Array:
-    """The shift (x, y, theta) about the pivot that lays most ends near a surface, gently."""
-    best, most = centre.copy(), -1e9
+    """How well ends, turned and shifted about the pivot, lie on surfaces, (turns, x, y)."""
+    out = np.zeros((len(turns), len(offsets), len(offsets)))
     nx, ny = field.shape
-    for turn in turns:
-        c, s = math.cos(centre[2] + turn), math.sin(centre[2] + turn)
-        rx = c * ends[:, 0] - s * ends[:, 1] + pivot[0]
-        ry = s * ends[:, 0] + c * ends[:, 1] + pivot[1]
-        for dx in offsets:
-            for dy in offsets:
+    for t in range(len(turns)):
+        c, s = math.cos(centre[2] + turns[t]), math.sin(centre[2] + turns[t])
+        rx = (c * ends[:, 0] - s * ends[:, 1] + pivot[0] + centre[0]) / cell
+        ry = (s * ends[:, 0] + c * ends[:, 1] + pivot[1] + centre[1]) / cell
+        for a in range(len(offsets)):
+            for b in range(len(offsets)):
                 score = 0.0
                 for k in range(len(ends)):
-                    i = int(math.floor((rx[k] + centre[0] + dx) / cell))
-                    j = int(math.floor((ry[k] + centre[1] + dy) / cell))
+                    i = int(math.floor(rx[k] + offsets[a] / cell))
+                    j = int(math.floor(ry[k] + offsets[b] / cell))
                     if 0 <= i < nx and 0 <= j < ny and field[i, j] < 2.0 * reach:
                         score += 1.0 - 0.5 * field[i, j] / reach
-                shift = math.hypot(centre[0] + dx, centre[1] + dy) + abs(centre[2] + turn)
-                score = score / len(ends) - penalty * shift
-                if score > most:
-                    most = score
-                    best[0], best[1] = centre[0] + dx, centre[1] + dy
-                    best[2] = centre[2] + turn
-    return best
+                out[t, a, b] = score / len(ends)
+    return out
 
 
 @njit(cache=True)

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from agents.cogmap.crossing import crosses
+from agents.cogmap.rays import crosses
 from cogmap_gym.geometry import Array, Points, Segments
 
 NO_GROUP = -1

@@ -200,5 +200,5 @@ def _seen_again(known: Exit, line: Segments, here: int, robot: Points, params: E
         if known.crossed >= 0 and left == right:
             left, right = known.left, known.right
     return replace(
-        known, line=blended, left=left, right=right, sightings=known.sightings + 1, failures=0
+        known, line=blended, left=left, right=right, sightings=known.sightings + 1
     )

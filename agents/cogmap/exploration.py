@@ -34,6 +34,8 @@ def explore(
     """
     for _ in range(params.exploration.patience):
         # Step 3
+        if memory.intent is not None and memory.intent.steps > params.exploration.patience:
+            memory = give_up(memory)
         intent = _valid(memory, params) or choose(memory, view, params)
         memory = replace(memory, intent=replace(intent, steps=intent.steps + 1))
         # Step 4
@@ -51,8 +53,6 @@ def _valid(memory: Memory, params: Params) -> Intent | None:
         return None
     if intent.kind == LOOK:
         return None if stay.looked else intent
-    if intent.steps > p.patience:
-        return None
     if intent.kind == EXIT:
         target = memory.exit(intent.exit)
         usable = target.trusted(params.exits) and target.side_of(stay.place) != 0
@@ -97,13 +97,13 @@ def _best_exit(memory: Memory, params: Params) -> Exit | None:
     options = [
         e
         for e in exits_of(memory.book, stay.place)
-        if e.trusted(params.exits)
-        and e.id != stay.entry
-        and e.failures < params.exploration.max_failures
+        if e.trusted(params.exits) and e.id != stay.entry
     ]
     if not options:
         return None
-    return min(options, key=lambda e: (e.crossed, -float(np.hypot(*(e.middle - at)))))
+    return min(
+        options, key=lambda e: (e.failures, e.crossed, -float(np.hypot(*(e.middle - at))))
+    )
 
 
 def _unexplored(memory: Memory, params: Params) -> Points:

@@ -189,18 +189,29 @@ def by_nearest(
 
 
 def _frame_of(seen: Segments, expected: Segments, known: Segments) -> Pose:
-    """The frame of one landmark, centred on the pair of ends that lie closest together.
+    """The frame of one landmark, normalised, centred on the ends that lie closest together.
+
+    Feet of the ends of both copies make them of equal length (thesis 3.4, Fig. 3.16); what
+    lengthens L of V_{n-1} lengthens its MFIS surface as much.
 
     Args:
         seen: L in V_n, (2, 2).
-        expected: L of V_{n-1} transformed into V_n, (2, 2).
+        expected: L of V_{n-1} transformed into V_n, as long as ``known``, (2, 2).
         known: the same surface in the MFIS, (2, 2).
     """
-    if np.dot(seen[1] - seen[0], known[1] - known[0]) < 0.0 and np.dot(
-        seen[1] - seen[0], expected[1] - expected[0]
-    ) < 0.0:
+    if np.dot(seen[1] - seen[0], expected[1] - expected[0]) < 0.0:
         seen = seen[::-1]
+    u, e, k = (_unit(line) for line in (seen, expected, known))
+    feet = (expected - seen[0]) @ u
+    ends = np.array((min(0.0, feet[0]), max(float((seen[1] - seen[0]) @ u), feet[1])))
+    grown = (ends - feet)[:, None]
+    seen, expected, known = seen[0] + ends[:, None] * u, expected + grown * e, known + grown * k
     gaps = np.linalg.norm(seen - expected, axis=1)
     if gaps[1] < gaps[0]:
         seen, known = seen[::-1], known[::-1]
     return landmark_frame(seen, known)
+
+
+def _unit(line: Segments) -> Points:
+    d = line[1] - line[0]
+    return np.asarray(d / max(float(np.hypot(d[0], d[1])), 1e-9))

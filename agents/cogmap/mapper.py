@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from agents.cogmap.lines import extract_view
 from agents.cogmap.locate import NO_PAIRS, Search, by_consensus, by_nearest, near
-from agents.cogmap.mfis import EMPTY_MFIS, MFIS, Edit, normalise, recognise, transfer
+from agents.cogmap.mfis import EMPTY_MFIS, MFIS, Edit, enter, normalise, recognise, transfer
 from agents.cogmap.params import Frame, Params
 from agents.cogmap.view import EMPTY_VIEW, View
 from cogmap_gym.geometry import Pose, Segments
@@ -62,6 +62,8 @@ def update(
     # Steps 1 and 2: V_{n-1} from the new position, without what cannot be seen
     predicted = last.mfis_from_robot @ odometry
     allowed = np.ones(len(last.mfis), dtype=np.bool_) if allowed is None else allowed
+    if p.kind == "odometry":
+        allowed = np.zeros(len(last.mfis), dtype=np.bool_)
     recent = allowed & (last.mfis.seen > last.step - p.recent)
     prior_sd = _prior_sd(odometry, last.disagreement, p)
     search = Search(view, last.mfis, recent, allowed, predicted, prior_sd)
@@ -78,19 +80,25 @@ def update(
     ids = np.zeros(len(view.surfaces), dtype=np.int64)
     ids[found.pairs[::-1, 0]] = found.pairs[::-1, 1] + 1
     rows = np.flatnonzero(allowed & near(mfis, view, pose, p.near))
-    done = transfer(view, mfis, ids, frames, rows, step, params.transfer, params.landmarks)
+    mfis, ids = transfer(view, mfis, ids, frames, rows, step, params.transfer, params.landmarks)
+    mfis, entered = enter(view, mfis, found.pairs, pose, step, params.transfer)
     # Step 5: V_n becomes the next V_{n-1}
     apart = _disagreement(last.disagreement, predicted, pose, prior_sd, p)
     if len(found.pairs) == 0:
         apart = last.disagreement
-    mapping = Mapping(done.mfis, pose, view, done.ids, found.pairs, found.matched, step, apart)
-    return mapping, [*lengthened, *done.edits]
+    mapping = Mapping(mfis, pose, view, ids, found.pairs, found.matched, step, apart)
+    return mapping, [*lengthened, *entered]
 
 
 def _named(last: Mapping) -> tuple[Segments, Ints]:
-    """Surfaces of V_{n-1} that have an id, and their ids."""
-    named = last.ids > 0
-    return last.view.surfaces[named], last.ids[named]
+    """Surfaces of V_{n-1} that have an id, made as long as those of the MFIS, and their ids."""
+    ids = last.ids[last.ids > 0]
+    seen = last.view.surfaces[last.ids > 0]
+    known = last.mfis_from_robot.inverse().apply(last.mfis.surfaces[ids - 1])
+    along = seen[:, 1] - seen[:, 0]
+    u = (along / np.hypot(along[:, 0], along[:, 1])[:, None])[:, None]
+    feet = ((known - seen[:, :1]) * u).sum(-1)
+    return seen[:, :1] + feet[..., None] * u, ids
 
 
 def _prior_sd(odometry: Pose, disagreement: float, p: Frame) -> tuple[float, float]:

@@ -7,7 +7,8 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry.polygon import orient
 
-from agents.cogmap.crossing import NO_ROW, Crossing, blocked
+from agents.cogmap.crossing import Crossing
+from agents.cogmap.rays import NO_ROW, blocked
 from cogmap_gym.geometry import Points, Segments
 
 Walk = tuple[list[Points], list[int]]

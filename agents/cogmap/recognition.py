@@ -22,7 +22,7 @@ from agents.cogmap.landmarks import find_landmarks
 from agents.cogmap.memory import Memory
 from agents.cogmap.mfis import FORGOTTEN, UNTAGGED, tag
 from agents.cogmap.params import Association, Params
-from cogmap_gym.geometry import Pose
+from cogmap_gym.geometry import Pose, segments_cross
 
 
 def recognise_place(memory: Memory, params: Params, last_chance: bool = False) -> Memory:
@@ -36,20 +36,21 @@ def recognise_place(memory: Memory, params: Params, last_chance: bool = False) -
     p, stay = params.association, memory.stay
     if stay.known or not stay.entry or not (last_chance or _due(stay.views, p)):
         return memory
-    beams = Beams(
-        np.concatenate([b.origins for b in stay.beams]),
-        np.concatenate([b.ends for b in stay.beams]),
-    )
+    candidates = [a for a in memory.network.asrs if a.id != stay.came_from and _reachable(memory, a, p)]
+    if not candidates:
+        return memory
+    beams = _beams_inside(memory)
+    if not len(beams.ends):
+        return memory
     tried = [
         best_hypothesis(a.id, _surfaces(memory, a), beams, memory.since_left(a.id), p)
-        for a in memory.network.asrs
-        if a.closed and a.id != stay.came_from
+        for a in candidates
     ]
-    tried.sort(key=lambda h: h.coverage, reverse=True)
+    tried.sort(key=lambda h: h.score(p), reverse=True)
     if not tried or not tried[0].holds(p) or not _possible(memory, tried[0], p):
         return memory
     if len(tried) > 1 and tried[1].holds(p) and _possible(memory, tried[1], p):
-        if tried[0].coverage - tried[1].coverage < p.margin:
+        if tried[0].score(p) - tried[1].score(p) < p.margin:
             return memory
     return _accept(memory, tried[0], params)
 
@@ -58,6 +59,25 @@ def _due(views: int, p: Association) -> bool:
     if views <= p.dense_views:
         return views >= p.first_view
     return (views - p.dense_views) % p.later_every == 0
+
+
+def _beams_inside(memory: Memory) -> Beams:
+    """Beams of the last views of this stay that do not look back through its entry."""
+    origins = np.concatenate([b.origins for b in memory.stay.beams])
+    ends = np.concatenate([b.ends for b in memory.stay.beams])
+    entry = memory.exit(memory.stay.entry).line[None]
+    back = segments_cross(np.stack((origins, ends), axis=1), entry)[:, 0]
+    return Beams(origins[~back], ends[~back])
+
+
+def _reachable(memory: Memory, asr: ASR, p: Association) -> bool:
+    """Whether the crossed exit may lie at the edge of the place, given the drift allowed."""
+    if not asr.closed:
+        return False
+    drift = min(p.base_shift + p.shift_per_metre * memory.since_left(asr.id), p.max_shift)
+    door = shapely.Point(memory.exit(memory.stay.entry).middle)
+    edge = shapely.Polygon(asr.boundary).exterior
+    return bool(shapely.distance(edge, door) <= drift + p.door_distance)
 
 
 def _surfaces(memory: Memory, asr: ASR) -> NDArray[np.float64]:

@@ -1,0 +1,97 @@
+"""An episode of Thesis-v0 as the scores need it: what was true and what was believed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cogmap_gym.edit_log import Edit
+from cogmap_gym.floor_plan import FloorPlan
+from cogmap_gym.geometry import Array, Points, Segments
+from cogmap_gym.map_metrics import Origin, WallFaces, origins, wall_faces
+from cogmap_gym.topology import Visit, visits
+
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """What was true and what was believed after the robot took in one observation."""
+
+    phase: int
+    pose: Array
+    """(3,) true x, y [m], theta [rad]."""
+    shut: frozenset[str]
+    """Names of the doors that are shut."""
+    odometry: Array
+    """(3,) measured motion since the last observation."""
+    believed: Array
+    """(3,) pose in the map's frame."""
+    seen: Segments
+    """(N, 2, 2) surfaces of the view in the robot's frame."""
+    names: Ints
+    """(N,) which surface of the map each is thought to be, 0 for none."""
+    surfaces: Segments
+    """(M, 2, 2) the map; row r has the id r + 1."""
+    tags: Ints
+    """(M,) the place of each surface, 0 for none yet, -1 for a surface given up."""
+    place: int
+    """The place where the robot thinks it is."""
+    entry: int
+    """The exit by which it thinks it came, or 0."""
+    began: int
+    """The step at which it thinks it crossed that exit."""
+    boundaries: Mapping[int, Points]
+    """Of each place cut so far, (K, 2) in the map's frame; (0, 2) where it is open."""
+    links: tuple[tuple[int, int, int], ...]
+    """(place, exit, place) of every exit crossed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """An episode of Thesis-v0, experiment 1 or 2, with the truth."""
+
+    plan: FloorPlan
+    rooms: tuple[str, ...]
+    """The rooms of the ring; the first is home's."""
+    steps: Sequence[Step]
+    edits: Sequence[Edit]
+    tasks: Sequence[str]
+    """Of each finished phase its task."""
+    successes: Sequence[bool]
+    """And whether it came out well."""
+    final_distance: float
+    """How far from home the last way home ended [m], or -1."""
+
+    @cached_property
+    def poses(self) -> Array:
+        """(T, 3) true poses."""
+        return np.array([step.pose for step in self.steps])
+
+    @cached_property
+    def visits(self) -> list[Visit]:
+        """The true stays."""
+        return visits(self.plan, self.poses)
+
+    @cached_property
+    def faces(self) -> WallFaces:
+        """All wall faces of the plan."""
+        return wall_faces(self.plan)
+
+    @cached_property
+    def origins(self) -> dict[int, Origin]:
+        """Where each surface of the map truly comes from."""
+        return origins(self.edits, self.poses, [step.shut for step in self.steps], self.faces)
+
+    def lap_ends(self) -> list[Visit | None]:
+        """For each lap the true stay in the first room that ends it; None for a failed lap."""
+        laps = [k for k, task in enumerate(self.tasks) if task == "explore"]
+        return [self._stay_after(k) if self.successes[k] else None for k in laps]
+
+    def _stay_after(self, phase: int) -> Visit | None:
+        over = next((t for t, step in enumerate(self.steps) if step.phase > phase), None)
+        return next((v for v in self.visits if over is not None and over <= v.last), None)

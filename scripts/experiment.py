@@ -1,0 +1,155 @@
+"""Run an experiment of the thesis and show what came of it, in numbers and pictures.
+
+Usage: python scripts/experiment.py N --seed S --out DIR [--odometry LEVEL] [--literal]
+
+Writes DIR/result.json and pictures, each as soon as there is something to write.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import signal
+from pathlib import Path
+from typing import Annotated, Any
+
+import gymnasium as gym
+import numpy as np
+import typer
+from matplotlib.figure import Figure
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+import cogmap_gym  # noqa: F401 - registers the environments
+import cogmap_gym.experiment_figures as fig
+from agents.cogmap.agent import CogMapAgent
+from agents.cogmap.params import Params
+from agents.rollout import run_episode
+from cogmap_gym.geometry import Pose
+from cogmap_gym.thesis_tasks import PHASES
+
+
+class Report:
+    """Follows an episode and writes down what there is to report, as it comes.
+
+    Args:
+        env: the environment, bare; its task knows how the phases came out.
+        agent: the robot, whose memory the pictures show.
+        head: the first entries of ``result.json``.
+        out: the folder to write to.
+        step: whose landmarks to draw; None for the first step after closing the loop.
+    """
+
+    def __init__(
+        self, env: Any, agent: CogMapAgent, head: dict[str, Any], out: Path, step: int | None
+    ) -> None:
+        self.env, self.agent, self.head, self.out, self.chosen = env, agent, head, out, step
+        self.progress = Progress(SpinnerColumn(), TextColumn("{task.description}"),
+                                 TimeElapsedColumn())  # fmt: skip
+        self.bar = self.progress.add_task("setting up")
+        self.phases: list[dict[str, Any]] = []
+        self.pictures: dict[str, Path] = {}
+        self.true_path: list[Any] = []
+        self.last, self.begun, self.interrupted = agent.memory, 0, False
+
+    def on_step(self, step: int, seen: Any, _action: Any, info: dict[str, Any], _: Any) -> None:
+        """Called by ``run_episode`` after each decision of the robot."""
+        if self.interrupted:
+            raise KeyboardInterrupt
+        self.true_path.append(info["pose"][:2])
+        self.end_phases()
+        now, plan = self.agent.memory, PHASES[self.head["experiment"]]
+        what = f"phase {info['phase'] + 1} of {len(plan)}: {plan[info['phase']].task}, step {step}"
+        self.progress.update(self.bar, description=what)
+        for asr in now.network.asrs:
+            old = self.last.network.asr(asr.id)
+            if old is None or (asr.closed and not old.closed):
+                path = now.path[max(self.last.stay.began, 0) :, :2]
+                own = set(asr.surfaces.tolist())
+                sketch = self.agent.sketch()
+                figure = fig.asr_figure(sketch, asr.id, own, asr.corners, asr.large, path)
+                self.save(f"asr{asr.id}", figure)
+        if self.chosen is None and now.stay.known and not self.last.stay.known:
+            self.chosen = step + 1
+        elif self.chosen == step:
+            self.save("landmarks", fig.landmarks_figure(self.views(seen["odometry"])))
+        self.last = now
+
+    def views(self, odometry: Any) -> fig.TwoViews:
+        """The last view, this one, and its landmarks, in the robot's present frame."""
+        last, now = self.last.mapping, self.agent.memory.mapping
+        before = Pose(*map(float, odometry)).inverse().apply(last.view.surfaces)
+        rows = np.unique(now.pairs[:, 1])
+        landmarks = now.mfis_from_robot.inverse().apply(now.mfis.surfaces[rows])
+        return fig.TwoViews(
+            now.step, before, last.ids, now.view.surfaces, now.ids, landmarks, rows + 1
+        )
+
+    def end_phases(self) -> None:
+        """Report the phases that are over and not yet reported."""
+        path = self.agent.memory.path[:, :2]
+        for result in self.env.task.results[len(self.phases) :]:
+            sketch = self.agent.sketch()
+            counts = {key: len(sketch[key]) for key in ("asrs", "exits")}
+            self.phases.append({**dataclasses.asdict(result), **counts, "links": sketch["links"]})
+            self.write()
+            number, phase = len(self.phases), self.phases[-1]
+            for name, made in fig.phase_figures(number, phase, sketch, path[self.begun :]).items():
+                self.save(name, made)
+            self.begun = len(path) - 1
+
+    def finish(self) -> None:
+        """Write what is known at the end, or when interrupted."""
+        self.end_phases()
+        self.write()
+        if self.true_path:
+            home, shut = self.env.task.marks[1], self.env.world.shut_doors
+            title = f"Experiment {self.head['experiment']}, seed {self.head['seed']}"
+            sketch, path = self.agent.sketch(), self.agent.memory.path[:, :2]
+            true_path = np.array(self.true_path)
+            picture = fig.overview_figure(self.env.plan, true_path, sketch, path, home, title, shut)
+            self.save("overview", picture)
+
+    def write(self) -> None:
+        """Write ``result.json``."""
+        note = {"interrupted": True} if self.interrupted else {}
+        text = json.dumps({**self.head, "phases": self.phases, **note}, indent=1)
+        fig.write_whole(self.out / "result.json", text.encode())
+
+    def save(self, name: str, figure: Figure) -> None:
+        """Write a picture."""
+        self.pictures[name] = fig.save_png(figure, self.out / f"{name}.png")
+
+
+def main(
+    experiment: Annotated[int, typer.Argument(min=1, max=len(PHASES), help="which one")],
+    out: Annotated[Path, typer.Option(file_okay=False, help="folder to write to")],
+    seed: Annotated[int, typer.Option(min=0, help="of the noise")] = 0,
+    odometry: Annotated[str, typer.Option(help="perfect, low, medium, high or severe")] = "medium",
+    map_: Annotated[str, typer.Option("--map", help="plan, by name or path")] = "thesis_office",
+    step: Annotated[int | None, typer.Option(min=1, help="whose landmarks to draw")] = None,
+    literal: Annotated[bool, typer.Option("--literal", help="the text as written")] = False,
+) -> None:
+    """Run an experiment of the thesis; Ctrl-C leaves what was done so far."""
+    if literal and not hasattr(Params, "literal"):
+        raise typer.BadParameter("this version of the robot has no literal parameters")
+    try:
+        env = gym.make("CogMap/Thesis-v0", experiment=experiment, odometry=odometry, map=map_)
+    except (ValueError, OSError) as error:
+        raise typer.BadParameter(str(error)) from error
+    agent = CogMapAgent(Params.literal() if literal else Params())
+    out.mkdir(parents=True, exist_ok=True)
+    report = Report(env.unwrapped, agent, {"experiment": experiment, "seed": seed}, out, step)
+    signal.signal(signal.SIGINT, lambda *_: setattr(report, "interrupted", True))
+    with report.progress:
+        try:
+            run_episode(env, agent, seed, report.on_step)
+        except KeyboardInterrupt:
+            report.progress.print("interrupted: what was done so far is kept")
+        report.finish()
+    print(*(out / "result.json", *report.pictures.values()), sep="\n")
+    if report.interrupted:
+        raise typer.Exit(130)
+
+
+if __name__ == "__main__":
+    typer.run(main)
