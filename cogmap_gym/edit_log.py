@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Protocol
 
 import numpy as np
@@ -34,10 +34,14 @@ class Edit(Protocol):
 
     @property
     def in_view(self) -> Segments:
-        """(2, 2) in the robot's frame."""
+        """(2, 2) in the robot's frame: the sighting that made it."""
+
+    @property
+    def sighted(self) -> int:
+        """The step of that sighting."""
 
 
-def edit_violations(edits: Iterable[Edit], surfaces: Segments) -> list[str]:
+def edit_violations(edits: Iterable[Edit], surfaces: Mapping[int, Segments]) -> list[str]:
     """Where an edit log breaks the law that an old surface only lengthens along its own line.
 
     Each surface is entered once; every later edit begins with what the last one left, keeps
@@ -46,7 +50,7 @@ def edit_violations(edits: Iterable[Edit], surfaces: Segments) -> list[str]:
 
     Args:
         edits: the whole log, in order.
-        surfaces: (N, 2, 2) of the map at its end; row r has the id r + 1.
+        surfaces: the map at its end, (2, 2) by id.
     """
     now: dict[int, Segments] = {}
     wrong: list[str] = []
@@ -59,10 +63,10 @@ def edit_violations(edits: Iterable[Edit], surfaces: Segments) -> list[str]:
                 wrong.append(f"{name}: changed outside the log")
             wrong += [f"{name}: {fault}" for fault in _faults(edit.before, edit.after)]
         now[edit.id] = edit.after
-    if len(now) != len(surfaces):
-        wrong.append(f"the map has {len(surfaces)} surfaces, the log {len(now)}")
-    for number, surface in enumerate(surfaces, start=1):
-        if number not in now or not np.array_equal(now[number], surface):
+    for number in sorted(now.keys() | surfaces.keys()):
+        if number not in now or number not in surfaces:
+            wrong.append(f"at the end, surface {number}: not in both the log and the map")
+        elif not np.array_equal(now[number], surfaces[number]):
             wrong.append(f"at the end, surface {number}: changed outside the log")
     return wrong
 

@@ -25,7 +25,7 @@ DPI = 180
 """Pixels an inch."""
 MAP_IN = (10.0, 10.4)
 """Width and height of a figure of the whole map [inch]: ids of 300 surfaces can be read."""
-MIN_PANEL_IN = 4.2
+MIN_PANEL_IN = 5.4
 """Least width of a panel: its title and legend fit [inch]."""
 AROUND_M = 1.0
 """How much is shown around a local space or a view [m]."""

@@ -150,26 +150,34 @@ class Origin:
     in_map: Segments
     """(2, 2): as it was entered."""
     in_plan: Segments
-    """(2, 2): where its points truly lay then."""
+    """(2, 2): the same, moved to where its sighting truly was."""
 
 
 def origins(
-    edits: Iterable[Edit], poses: Array, shut: Sequence[Collection[str]], faces: WallFaces
+    edits: Iterable[Edit],
+    poses: Array,
+    mapped: Array,
+    shut: Sequence[Collection[str]],
+    faces: WallFaces,
 ) -> dict[int, Origin]:
     """The origin of each surface, by id, from the edit log and the true poses.
 
     Args:
         edits: the whole log.
         poses: (T, 3) true poses.
+        mapped: (T, 3) poses by which the robot laid each view into its map.
         shut: at each step, the doors that were shut.
         faces: of the plan.
     """
     found: dict[int, Origin] = {}
     for edit in edits:
         if edit.before is None:
-            true = Pose(*(float(v) for v in poses[edit.step])).apply(edit.in_view)
-            line = int(true_lines(true[None], faces, shut[edit.step])[0])
-            found[edit.id] = Origin(edit.step, line, edit.after, true)
+            at = edit.sighted
+            plan_from_robot = Pose(*poses[at].tolist())
+            plan_from_map = plan_from_robot @ Pose(*mapped[at].tolist()).inverse()
+            true = plan_from_robot.apply(edit.in_view)
+            line = int(true_lines(true[None], faces, shut[at])[0])
+            found[edit.id] = Origin(edit.step, line, edit.after, plan_from_map.apply(edit.after))
     return found
 
 

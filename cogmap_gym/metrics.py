@@ -18,13 +18,14 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cogmap_gym.edit_log import edit_violations
 from cogmap_gym.geometry import Array, Pose
 from cogmap_gym.log_metrics import rigid_fit
 from cogmap_gym.map_metrics import NO_WALL, cover_ratios
 from cogmap_gym.naming import old_names
-from cogmap_gym.run_record import Record
+from cogmap_gym.run_record import Record, Step
 from cogmap_gym.topology import (
     Visit,
     boundary_ious,
@@ -158,9 +159,9 @@ def _doubles(record: Record, first: Visit | None, second: Visit | None) -> dict[
         lap = 1 if first is None else 2
         nothing = {"cover": None, "surfaces_1": None, "surfaces_2": None}
         return {"c": False, "c_why": f"lap {lap} not done", **nothing}
-    counts = [int((record.steps[v.last].tags != FORGOTTEN).sum()) for v in (first, second)]
+    counts = [len(_kept(record.steps[stay.last])) for stay in (first, second)]
     step = record.steps[second.last]
-    kept = np.flatnonzero(step.tags != FORGOTTEN)
+    kept = _kept(step)
     ratios = cover_ratios(step.surfaces[kept], kept + 1, record.origins, record.faces)
     cover, growth = float(ratios.mean()), counts[1] / counts[0] - 1.0
     why = [f"covered {cover:.2f}x"] if cover > MOST_COVER else []
@@ -172,6 +173,11 @@ def _doubles(record: Record, first: Visit | None, second: Visit | None) -> dict[
         "surfaces_1": counts[0],
         "surfaces_2": counts[1],
     }
+
+
+def _kept(step: Step) -> NDArray[np.int64]:
+    """The rows of the surfaces that are part of the map."""
+    return np.flatnonzero(step.entered & (step.tags != FORGOTTEN))
 
 
 def _homes(record: Record) -> dict[str, Any]:
@@ -223,5 +229,7 @@ def _proofs(record: Record) -> dict[str, Any]:
         "names": names.total,
         "false_names": names.false,
         "phantoms": sum(origin.line == NO_WALL for origin in record.origins.values()),
-        "edit_violations": edit_violations(record.edits, last.surfaces),
+        "edit_violations": edit_violations(
+            record.edits, {row + 1: last.surfaces[row] for row in np.flatnonzero(last.entered).tolist()}
+        ),
     }

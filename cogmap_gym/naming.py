@@ -44,7 +44,7 @@ def old_names(record: Record, first: int, last: int, before: int, place: int | N
         rows = [
             row
             for row, name in enumerate(step.names.tolist())
-            if name
+            if name in record.origins
             and record.origins[name].step < min(at, before)
             and place in (None, int(step.tags[name - 1]))
         ]

@@ -29,14 +29,18 @@ class Step:
     """Names of the doors that are shut."""
     odometry: Array
     """(3,) measured motion since the last observation."""
+    mapped: Array
+    """(3,) pose in the map's frame by which the view was laid into the map."""
     believed: Array
-    """(3,) pose in the map's frame."""
+    """(3,) pose in the map's frame in the end; another where a place was just recognised."""
     seen: Segments
     """(N, 2, 2) surfaces of the view in the robot's frame."""
     names: Ints
     """(N,) which surface of the map each is thought to be, 0 for none."""
     surfaces: Segments
     """(M, 2, 2) the map; row r has the id r + 1."""
+    entered: NDArray[np.bool_]
+    """(M,) which surfaces are in the map for good; the others still wait to be."""
     tags: Ints
     """(M,) the place of each surface, 0 for none yet, -1 for a surface given up."""
     place: int
@@ -73,6 +77,11 @@ class Record:
         return np.array([step.pose for step in self.steps])
 
     @cached_property
+    def mapped(self) -> Array:
+        """(T, 3) poses by which the views were laid into the map."""
+        return np.array([step.mapped for step in self.steps])
+
+    @cached_property
     def visits(self) -> list[Visit]:
         """The true stays."""
         return visits(self.plan, self.poses)
@@ -85,7 +94,8 @@ class Record:
     @cached_property
     def origins(self) -> dict[int, Origin]:
         """Where each surface of the map truly comes from."""
-        return origins(self.edits, self.poses, [step.shut for step in self.steps], self.faces)
+        shut = [step.shut for step in self.steps]
+        return origins(self.edits, self.poses, self.mapped, shut, self.faces)
 
     def lap_ends(self) -> list[Visit | None]:
         """For each lap the true stay in the first room that ends it; None for a failed lap."""

@@ -195,14 +195,12 @@ class Odometer:
             dy: true motion to the left [m].
             dtheta: true turn [rad].
         """
-        chord = math.hypot(dx, dy)
         ahead = dx * math.cos(dtheta / 2.0) + dy * math.sin(dtheta / 2.0)
-        turn_error, distance_error = self._errors(dtheta, math.copysign(chord, ahead))
-        turned = Pose(0.0, 0.0, turn_error / 2.0)
-        scale = (
-            1.0 + math.copysign(distance_error, distance_error * ahead) / chord if chord else 0.0
-        )
-        return turned @ Pose(dx * scale, dy * scale, dtheta) @ turned
+        distance = math.copysign(math.hypot(dx, dy), ahead)
+        turn_error, distance_error = self._errors(dtheta, distance)
+        scale = 1.0 + distance_error / distance if distance else 0.0
+        half_error = Pose(0.0, 0.0, turn_error / 2.0)
+        return half_error @ Pose(dx * scale, dy * scale, dtheta) @ half_error
 
     def _errors(self, turn: float, distance: float) -> tuple[float, float]:
         """Draw the errors of a turn [rad] and a drive [m]; see OdometrySpec."""

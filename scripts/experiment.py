@@ -31,20 +31,16 @@ from cogmap_gym.thesis_tasks import PHASES
 class Report:
     """Follows an episode and writes down what there is to report, as it comes.
 
-    Args:
-        env: the environment, bare; its task knows how the phases came out.
-        agent: the robot, whose memory the pictures show.
-        head: the first entries of ``result.json``.
-        out: the folder to write to.
-        step: whose landmarks to draw; None for the first step after closing the loop.
+    ``head`` begins ``result.json``; landmarks are drawn of the step ``chosen``, or else of the
+    first step after the loop was closed.
     """
 
     def __init__(
-        self, env: Any, agent: CogMapAgent, head: dict[str, Any], out: Path, step: int | None
+        self, env: Any, agent: CogMapAgent, head: dict[str, Any], out: Path, chosen: int | None
     ) -> None:
-        self.env, self.agent, self.head, self.out, self.chosen = env, agent, head, out, step
-        self.progress = Progress(SpinnerColumn(), TextColumn("{task.description}"),
-                                 TimeElapsedColumn())  # fmt: skip
+        self.env, self.agent, self.head, self.out, self.chosen = env, agent, head, out, chosen
+        columns = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
+        self.progress = Progress(*columns)
         self.bar = self.progress.add_task("setting up")
         self.phases: list[dict[str, Any]] = []
         self.pictures: dict[str, Path] = {}
@@ -63,11 +59,9 @@ class Report:
         for asr in now.network.asrs:
             old = self.last.network.asr(asr.id)
             if old is None or (asr.closed and not old.closed):
-                path = now.path[max(self.last.stay.began, 0) :, :2]
-                own = set(asr.surfaces.tolist())
-                sketch = self.agent.sketch()
-                figure = fig.asr_figure(sketch, asr.id, own, asr.corners, asr.large, path)
-                self.save(f"asr{asr.id}", figure)
+                path, own = now.path[self.last.stay.began :, :2], set(asr.surfaces.tolist())
+                shape = own, asr.corners, asr.large, path
+                self.save(f"asr{asr.id}", fig.asr_figure(self.agent.sketch(), asr.id, *shape))
         if self.chosen is None and now.stay.known and not self.last.stay.known:
             self.chosen = step + 1
         elif self.chosen == step:
@@ -102,18 +96,23 @@ class Report:
         self.end_phases()
         self.write()
         if self.true_path:
-            home, shut = self.env.task.marks[1], self.env.world.shut_doors
-            title = f"Experiment {self.head['experiment']}, seed {self.head['seed']}"
-            sketch, path = self.agent.sketch(), self.agent.memory.path[:, :2]
-            true_path = np.array(self.true_path)
-            picture = fig.overview_figure(self.env.plan, true_path, sketch, path, home, title, shut)
-            self.save("overview", picture)
+            truth, home = np.array(self.true_path), self.env.task.marks[1]
+            title = "Experiment {experiment}, seed {seed}".format(**self.head)
+            belief = self.agent.sketch(), self.agent.memory.path[:, :2], home
+            shut = self.env.world.shut_doors
+            self.save("overview", fig.overview_figure(self.env.plan, truth, *belief, title, shut))
 
     def write(self) -> None:
         """Write ``result.json``."""
         note = {"interrupted": True} if self.interrupted else {}
         text = json.dumps({**self.head, "phases": self.phases, **note}, indent=1)
         fig.write_whole(self.out / "result.json", text.encode())
+
+    def interrupt(self, *_: Any) -> None:
+        """Ctrl-C ends the run after this step; a second one ends all at once."""
+        if self.interrupted:
+            raise KeyboardInterrupt
+        self.interrupted = True
 
     def save(self, name: str, figure: Figure) -> None:
         """Write a picture."""
@@ -139,7 +138,7 @@ def main(
     agent = CogMapAgent(Params.literal() if literal else Params())
     out.mkdir(parents=True, exist_ok=True)
     report = Report(env.unwrapped, agent, {"experiment": experiment, "seed": seed}, out, step)
-    signal.signal(signal.SIGINT, lambda *_: setattr(report, "interrupted", True))
+    signal.signal(signal.SIGINT, report.interrupt)
     with report.progress:
         try:
             run_episode(env, agent, seed, report.on_step)

@@ -2,8 +2,8 @@
 
 Usage: python scripts/rates.py --experiment 1 --odometry medium --seeds 0:50 --out DIR
 
-Writes DIR/runs.jsonl, a row a run, and DIR/rates.md. Runs that stand in runs.jsonl are not
-done again. Choose parameters on seeds >= 1000; seeds 0:50 are for the report.
+Writes DIR/runs.jsonl, a row a run, and DIR/rates.md. Runs that stand there are not done again.
+Choose parameters on seeds >= 1000; seeds 0:50 are for the report.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ class Recorder:
 
     def __call__(
         self,
-        step: int,  # noqa: ARG002
+        _step: int,
         observation: Observation,
-        action: NDArray[np.float32],  # noqa: ARG002
+        _action: NDArray[np.float32],
         info: dict[str, Any],
         agent: CogMapAgent,
     ) -> None:
@@ -61,10 +61,12 @@ class Recorder:
                 pose=info["pose"],
                 shut=self.world.shut_doors,
                 odometry=np.array(observation["odometry"], dtype=np.float64),
+                mapped=memory.path[-1],
                 believed=np.array((pose.x, pose.y, pose.theta)),
                 seen=mapping.view.surfaces,
                 names=mapping.ids,
                 surfaces=mapping.mfis.surfaces,
+                entered=mapping.mfis.entered,
                 tags=mapping.mfis.asr,
                 place=stay.place,
                 entry=stay.entry,
@@ -101,27 +103,18 @@ def run(job: Job) -> dict[str, Any]:
 
 def read_rows(path: Path) -> list[dict[str, Any]]:
     """The rows written so far; a last line that was cut short does not count."""
-    rows = []
-    for line in path.read_text().splitlines() if path.exists() else ():
-        try:
-            rows.append(json.loads(line))
-        except json.JSONDecodeError:
-            continue
-    return rows
-
-
-def _ignore_ctrl_c() -> None:
-    """Leave Ctrl-C to the main process, which stops the workers."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    text = path.read_text() if path.exists() else ""
+    return [json.loads(line) for line in text.splitlines() if line.endswith("}")]
 
 
 def run_all(jobs: list[Job], workers: int, path: Path) -> bool:
     """Run the jobs and append a row of each as it comes in; False if Ctrl-C ended it."""
-    with multiprocessing.get_context("spawn").Pool(workers, _ignore_ctrl_c) as pool:
+    ignore = (signal.SIGINT, signal.SIG_IGN)  # this process takes Ctrl-C and stops the workers
+    with multiprocessing.get_context("spawn").Pool(workers, signal.signal, ignore) as pool:
         try:
             for row in track(pool.imap_unordered(run, jobs), "episodes", total=len(jobs)):
                 with path.open("a") as file:
-                    file.write(json.dumps(row) + "\n")
+                    file.write(f"\n{json.dumps(row)}")
         except KeyboardInterrupt:
             return False
     return True

@@ -72,6 +72,12 @@ class Watch:
             self.env.unwrapped.set_sketch(sketch)
             self.film.writer.append_data(self.env.render())
 
+    def interrupt(self, *_: Any) -> None:
+        """Ctrl-C ends the run after this step; a second one ends all at once."""
+        if self.interrupted:
+            raise KeyboardInterrupt
+        self.interrupted = True
+
 
 def show_outcome(env: Any, *, interrupted: bool) -> None:
     """Print how each phase came out, and the whole."""
@@ -108,15 +114,14 @@ def main(
     except (ValueError, OSError) as error:
         raise typer.BadParameter(str(error)) from error
     robot, world = AGENTS[agent](), made.unwrapped
-    signal.signal(signal.SIGINT, lambda *_: setattr(watch, "interrupted", True))
+    signal.signal(signal.SIGINT, watch.interrupt)
     with watch.progress:
         try:
             run_episode(made, robot, seed, watch.on_step)
         except KeyboardInterrupt:
             watch.progress.print("interrupted: what was done so far is kept")
     out.mkdir(parents=True, exist_ok=True)
-    paths = (np.reshape(way, (-1, 2)) for way in (watch.true_path, watch.path))
-    true_path, path = paths
+    true_path, path = (np.reshape(way, (-1, 2)) for way in (watch.true_path, watch.path))
     show_outcome(world, interrupted=watch.interrupted)
     title = f"{agent} in {env}, {map_}, odometry {odometry}, seed {seed}"
     picture = overview_figure(

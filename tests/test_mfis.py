@@ -44,7 +44,7 @@ class Done:
     edits: list[Edit]
 
 
-def seen(surfaces: Segments, physical: bool = False, hits: int = 100) -> View:
+def seen(surfaces: Segments, physical: bool = False, hits: int = 10000) -> View:
     """A view that rests on this many beams a surface."""
     count = len(surfaces)
     return View(

@@ -49,6 +49,8 @@ class Stay:
     """(P, 2) in the MFIS, from the entry to the present position."""
     beams: tuple[Beams, ...] = ()
     """Beams of the last views of the stay, in the MFIS."""
+    settled: bool = False
+    """Whether the robot has found itself by the surfaces of this place."""
     views: int = 0
     """Views taken in this stay."""
     looked: bool = False

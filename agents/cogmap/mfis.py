@@ -187,7 +187,8 @@ def enter(
         anchor_sd[j] = params.range_sd / np.sqrt(view.hits[i])
         physical[j] |= view.physical[i]
         sighting[j], sighted[j] = view.surfaces[i], step
-    ready = ~mfis.entered & ((known_sd <= params.known_heading_sd) | (mfis.seen < step))
+    known = (known_sd <= params.known_heading_sd) | (mfis.seen < step)
+    ready = ~mfis.entered & (known | params.literal)
     edits = [
         Edit(step, int(j) + 1, None, surfaces[j].copy(), sighting[j].copy(), int(sighted[j]))
         for j in np.flatnonzero(ready)

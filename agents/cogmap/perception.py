@@ -14,7 +14,7 @@ from agents.cogmap.curiosity import dim_walls, open_gaps
 from agents.cogmap.exits import remember_exits
 from agents.cogmap.mapper import update
 from agents.cogmap.memory import Memory
-from agents.cogmap.mfis import FORGOTTEN, UNTAGGED, Edit
+from agents.cogmap.mfis import UNTAGGED, Edit
 from agents.cogmap.obstacles import remember_obstacles
 from agents.cogmap.params import Params
 from agents.cogmap.places import links
@@ -47,9 +47,10 @@ def perceive(
     mapping, edits = update(memory.mapping, view, odometry, params, _allowed(memory))
     pose = mapping.mfis_from_robot
     obstacles = remember_obstacles(memory.obstacles, view.points, pose, laser, params.obstacles)
-    book = remember_exits(
-        memory.book, pose.apply(seen.exits), memory.stay.place, pose, params.exits
-    )
+    book = memory.book
+    if memory.stay.settled or not memory.stay.known:
+        found = pose.apply(seen.exits)
+        book = remember_exits(book, found, memory.stay.place, pose, params.exits)
     here = np.array([[pose.x, pose.y]])
     stay = replace(
         memory.stay,
@@ -76,14 +77,16 @@ def perceive(
 def _allowed(memory: Memory) -> NDArray[np.bool_]:
     """Which surfaces may be recognised here: those of this place and its neighbours, and untagged.
 
-    In a place the robot does not know, surfaces of other known places would draw it to where it is
-    not: there it recognises only what it has just seen (FINDINGS 5).
+    Until the robot has found itself in a place, surfaces of known places would draw it to where it
+    is not: there it recognises only what it has just seen (FINDINGS 5).
     """
-    asr, here = memory.mapping.mfis.asr, memory.stay.place
-    places = {UNTAGGED, here, memory.stay.came_from} - {FORGOTTEN}
-    if memory.stay.known:
+    asr, stay = memory.mapping.mfis.asr, memory.stay
+    places = {UNTAGGED, stay.came_from}
+    if stay.settled:
+        here = stay.place
         places |= {b if a == here else a for a, _, b in links(memory.book) if here in (a, b)}
-    return np.isin(asr, list(places | {UNTAGGED}))
+        places.add(here)
+    return np.isin(asr, list(places))
 
 
 def _beams(view: View, pose: Pose) -> Beams:

@@ -34,25 +34,34 @@ def recognise_place(memory: Memory, params: Params, last_chance: bool = False) -
         last_chance: try now, since the place is about to be cut as a new ASR.
     """
     p, stay = params.association, memory.stay
-    if stay.known or not stay.entry or not (last_chance or _due(stay.views, p)):
-        return memory
-    candidates = [a for a in memory.network.asrs if a.id != stay.came_from and _reachable(memory, a, p)]
-    if not candidates:
+    if stay.settled or not stay.entry or not (last_chance or _due(stay.views, p)):
         return memory
     beams = _beams_inside(memory)
-    if not len(beams.ends):
-        return memory
     tried = [
         best_hypothesis(a.id, _surfaces(memory, a), beams, memory.since_left(a.id), p)
-        for a in candidates
+        for a in _candidates(memory, p)
+        if len(beams.ends)
     ]
+    tried = [h for h in tried if h.holds(p) and _possible(memory, h, p)]
     tried.sort(key=lambda h: h.score(p), reverse=True)
-    if not tried or not tried[0].holds(p) or not _possible(memory, tried[0], p):
-        return memory
-    if len(tried) > 1 and tried[1].holds(p) and _possible(memory, tried[1], p):
-        if tried[0].score(p) - tried[1].score(p) < p.margin:
-            return memory
-    return _accept(memory, tried[0], params)
+    clear = len(tried) == 1 or (
+        len(tried) > 1 and tried[0].score(p) - tried[1].score(p) >= p.margin
+    )
+    if clear:
+        return _accept(memory, tried[0], params)
+    # A known place that cannot be confirmed is taken as it is believed to lie.
+    late = stay.known and (last_chance or stay.views >= p.dense_views)
+    return memory.with_stay(settled=True) if late else memory
+
+
+def _candidates(memory: Memory, p: Association) -> list[ASR]:
+    """The places this one may be: where the exit is known to lead, else any that is not too far."""
+    stay = memory.stay
+    if stay.known:
+        return [a for a in memory.network.asrs if a.id == stay.place and a.closed]
+    return [
+        a for a in memory.network.asrs if a.id != stay.came_from and _reachable(memory, a, p)
+    ]
 
 
 def _due(views: int, p: Association) -> bool:
@@ -91,12 +100,13 @@ def _possible(memory: Memory, hypothesis: Hypothesis, p: Association) -> bool:
     asr = memory.network.asr(hypothesis.place)
     assert asr is not None, "a hypothesis names an ASR of the network"
     polygon = shapely.Polygon(asr.boundary)
+    shapely.prepare(polygon)
     path = shapely.points(hypothesis.shift.apply(memory.stay.path))
     inside = np.mean(shapely.distance(polygon, path) <= p.inside_slack)
     entry = memory.exit(memory.stay.entry)
     door = hypothesis.shift.apply(entry.middle)
     at_edge = shapely.distance(polygon.exterior, shapely.Point(door)) <= p.door_distance
-    twin = _twin(memory, entry, hypothesis)
+    twin = None if memory.stay.known else _twin(memory, entry, hypothesis)
     elsewhere = (
         twin is not None
         and twin.crossed >= 0
@@ -120,16 +130,21 @@ def _twin(memory: Memory, entry: Exit, hypothesis: Hypothesis) -> Exit | None:
 
 
 def _accept(memory: Memory, hypothesis: Hypothesis, params: Params) -> Memory:
-    """Be in the known place: shift the robot, not the map, and forget what was seen twice."""
+    """Be in the known place: shift the robot, not the map, and forget what was seen twice.
+
+    The MFIS may have a seam here: on the way round, its parts drifted apart, and no part is moved.
+    """
     stay, shift, place = memory.stay, hypothesis.shift, hypothesis.place
     entry = memory.exit(stay.entry)
-    twin = _twin(memory, entry, hypothesis)
+    twin = None if stay.known else _twin(memory, entry, hypothesis)
     mapping = replace(
         memory.mapping,
         mfis=tag(memory.mapping.mfis, _ghosts(memory, hypothesis, params), FORGOTTEN),
         mfis_from_robot=shift @ memory.pose,
     )
-    book = _merged_exits(memory.book, stay.place, shift, stay.entry, place, params)
+    book = memory.book
+    if place != stay.place:
+        book = _merged_exits(book, stay.place, shift, stay.entry, place, params)
     if twin is not None:
         book = _merge_entry(book, book[entry.id - 1], book[twin.id - 1])
     kept = stay.entry if twin is None or twin.crossed < 0 else twin.id
@@ -142,6 +157,7 @@ def _accept(memory: Memory, hypothesis: Hypothesis, params: Params) -> Memory:
             stay,
             place=place,
             known=True,
+            settled=True,
             entry=kept,
             path=shift.apply(stay.path),
             beams=tuple(b.moved(shift) for b in stay.beams),
