@@ -1,15 +1,13 @@
 """The figures of an experiment, as chapters 3 and 4 of the thesis show it.
 
 Each function makes one figure from plain values: sketches as ``Agent.sketch`` gives
-them, paths (N, 2) and Segments (N, 2, 2), in metres. ``save_png`` writes it.
+them, paths (N, 2) and Segments (N, 2, 2), in metres.
 """
 
 from __future__ import annotations
 
-import io
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,8 +19,6 @@ from cogmap_gym.figures import Sketch
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Points, Pose, Segments
 
-DPI = 180
-"""Pixels an inch."""
 MAP_IN = (10.0, 10.4)
 """Width and height of a figure of the whole map [inch]: ids of 300 surfaces can be read."""
 MIN_PANEL_IN = 5.4
@@ -113,13 +109,9 @@ def landmarks_figure(views: TwoViews) -> Figure:
 
 
 def asr_figure(
-    sketch: Sketch,
-    asr_id: int,
-    own_ids: Collection[int],
-    corners: Points,
-    large: Segments,
-    path: Points,
-) -> Figure:
+    sketch: Sketch, asr_id: int, own_ids: Collection[int],
+    corners: Points, large: Segments, path: Points,
+) -> Figure:  # fmt: skip
     """How an ASR was cut: surfaces, corners, boundary (thesis Fig. 3.23, 4.1 to 4.3).
 
     Args:
@@ -157,14 +149,9 @@ def asr_figure(
 
 
 def overview_figure(
-    plan: FloorPlan,
-    true_path: Points,
-    sketch: Sketch | None,
-    path: Points,
-    plan_from_sketch: Pose,
-    title: str,
-    shut: Iterable[str] = (),
-) -> Figure:
+    plan: FloorPlan, true_path: Points, sketch: Sketch | None, path: Points,
+    plan_from_sketch: Pose, title: str, shut: Iterable[str] = (),
+) -> Figure:  # fmt: skip
     """The truth at the left, what the robot believes at the right, in the plan's frame.
 
     Args:
@@ -214,19 +201,6 @@ def phase_figures(
     if task != "explore":
         made[f"{name}_path"] = home_figure(sketch, path, f"Path of {title}")
     return made
-
-
-def save_png(figure: Figure, path: Path) -> Path:
-    """Write a figure; returns its path."""
-    figure.savefig(buffer := io.BytesIO(), format="png", dpi=DPI)
-    return write_whole(path, buffer.getvalue())
-
-
-def write_whole(path: Path, content: bytes) -> Path:
-    """Write a file so that a reader sees the old one or the whole new one."""
-    part = path.with_name(f".{path.name}.part")
-    part.write_bytes(content)
-    return part.replace(path)
 
 
 def _panels(count: int, panel: tuple[float, float]) -> tuple[Figure, list[Axes]]:

@@ -78,8 +78,7 @@ def plot_surfaces(
 ) -> None:  # fmt: skip
     """Draw the surfaces of a sketch, or Segments (N, 2, 2), each beside its id.
 
-    The id of a row of Segments is its number, from 0, unless ``ids`` names them. An id that
-    would cover another is left out.
+    The id of a row of Segments is its number, from 0, or what ``ids`` says. No id covers another.
     """
     lines, names = _segments(surfaces)
     names = names if isinstance(ids, bool) else list(ids)
@@ -121,8 +120,7 @@ def plot_exits(ax: Axes, sketch: Sketch, *, ids: bool = True) -> None:
 def plot_network(ax: Axes, sketch: Sketch) -> None:
     """Draw the network: a node at the middle of each ASR, edges by way of their exits.
 
-    An ASR without a boundary stands at the mean of its exits. A link whose ASR has
-    neither is left out, for there is no place to draw it.
+    An ASR without a boundary stands at the mean of its exits; a link to no ASR ends at its exit.
     """
     exits = dict(zip([e["id"] for e in sketch["exits"]], _rows(sketch["exits"]), strict=True))
     nodes = {a["id"]: place for a in sketch["asrs"] if (place := _node(a, exits)) is not None}
@@ -131,14 +129,17 @@ def plot_network(ax: Axes, sketch: Sketch) -> None:
     for name, place in nodes.items():
         labels.add(str(name), _on(place), size=LARGE_PT, color=BLACK, fixed=True)
     for one, leave, other in sketch["links"]:
-        if one in nodes and other in nodes and leave in exits:
+        ends = [nodes[asr] for asr in (one, other) if asr in nodes]
+        if ends and leave in exits:
             middle = exits[leave].mean(axis=0)
-            edges.append(np.stack((nodes[one], middle, nodes[other])))
+            edges.append(np.stack((ends[0], middle, *ends[1:])))
             labels.add(str(leave), exits[leave], size=MEDIUM_PT, color=GREEN, clear=3.0)
-            labels.avoid(np.stack((edges[-1][:2], edges[-1][1:])))
+            labels.avoid(np.stack((edges[-1][:-1], edges[-1][1:]), axis=1))
     _lines(ax, edges, BLUE, 1.4, "link")
     if edges:
-        ax.plot(*np.array(edges)[:, 1].T, "s", color=GREEN, ms=5, zorder=5, label="exit")
+        ax.plot(
+            *np.array([edge[1] for edge in edges]).T, "s", color=GREEN, ms=5, zorder=5, label="exit"
+        )
     if nodes:
         places = np.array(list(nodes.values()))
         ax.plot(*places.T, "o", mfc="white", mec=BLUE, mew=1.4, ms=19, zorder=6, label="ASR")
@@ -160,7 +161,7 @@ def plot_path(
 def plot_home(ax: Axes, home: Pose) -> None:
     """Mark home with a star."""
     ax.plot(
-        home.x, home.y, "*", color=VERMILLION, ms=12, mec="white", mew=0.5, zorder=5, label="home"
+        home.x, home.y, "*", color=VERMILLION, ms=12, mec="white", mew=0.5, zorder=8, label="home"
     )
 
 

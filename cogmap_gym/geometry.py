@@ -57,9 +57,7 @@ class Pose:
     def inverse(self) -> Pose:
         """``b_from_a`` of an ``a_from_b``."""
         c, s = math.cos(self.theta), math.sin(self.theta)
-        return Pose(
-            -(c * self.x + s * self.y), s * self.x - c * self.y, wrap_angle(-self.theta)
-        )
+        return Pose(-(c * self.x + s * self.y), s * self.x - c * self.y, wrap_angle(-self.theta))
 
     def apply(self, points: Points) -> Points:
         """Map points (..., 2) of frame b into frame a; Segments are points too."""
@@ -98,18 +96,18 @@ def relative_poses(a: Array, b: Array) -> Array:
 def lengths(segments: Segments) -> Array:
     """Lengths in metres, shape (N,)."""
     d = segments[:, 1] - segments[:, 0]
-    return np.hypot(d[:, 0], d[:, 1])
+    return np.asarray(np.hypot(d[:, 0], d[:, 1]))
 
 
 def headings(segments: Segments) -> Array:
     """Headings from start to end, radians in (-pi, pi], shape (N,)."""
     d = segments[:, 1] - segments[:, 0]
-    return np.arctan2(d[:, 1], d[:, 0])
+    return np.asarray(np.arctan2(d[:, 1], d[:, 0]))
 
 
 def midpoints(segments: Segments) -> Points:
     """Midpoints, shape (N, 2)."""
-    return segments.mean(axis=1)
+    return np.asarray(segments.mean(axis=1))
 
 
 def cross(a: Points, b: Points) -> Array:
@@ -133,7 +131,7 @@ def point_segment_distances(points: Points, segments: Segments) -> Array:
     squared = (along**2).sum(-1)
     t = (to_point * along).sum(-1) / np.where(squared > 0.0, squared, 1.0)
     gap = to_point - np.clip(t, 0.0, 1.0)[..., None] * along
-    return np.hypot(gap[..., 0], gap[..., 1])
+    return np.asarray(np.hypot(gap[..., 0], gap[..., 1]))
 
 
 def segments_cross(a: Segments, b: Segments) -> NDArray[np.bool_]:

@@ -31,6 +31,7 @@ _MIX_1: Final = np.uint64(0xBF58476D1CE4E5B9)
 _MIX_2: Final = np.uint64(0x94D049BB133111EB)
 _SHIFT_1, _SHIFT_2, _SHIFT_3 = np.uint64(30), np.uint64(27), np.uint64(31)
 _LAYER_MASK, _SIGN_BIT, _MANTISSA_SHIFT = np.uint64(255), np.uint64(256), np.uint64(11)
+_ONE = np.uint64(1)
 
 
 def _ziggurat() -> tuple[Array, Array]:
@@ -61,14 +62,34 @@ def _unit(counter: np.uint64) -> float:
 
 
 @compiled
-def _tail(counter: np.uint64) -> tuple[float, np.uint64]:
-    """A draw beyond ``TAIL``, and where the stream then stands."""
+def _tail(counter: np.uint64) -> float:
+    """A draw beyond ``TAIL``."""
     while True:
         x = -math.log1p(-_unit(counter + _STEP)) / TAIL
         y = -math.log1p(-_unit(counter + _STEP + _STEP))
-        counter = counter + _STEP + _STEP
         if y + y > x * x:
-            return TAIL + x, counter
+            return TAIL + x
+        counter = counter + _STEP + _STEP
+
+
+@compiled
+def _finish(bits: np.uint64) -> float:
+    """The draw that begins with ``bits``, which need not lie in the core of their layer."""
+    counter = bits
+    while True:
+        layer = bits & _LAYER_MASK
+        x: float = float(bits >> _MANTISSA_SHIFT) * UNIT * _EDGES[layer]
+        if x < _EDGES[layer + _ONE]:
+            break
+        if layer == np.uint64(0):
+            x = _tail(counter)
+            break
+        low, high = _HEIGHTS[layer], _HEIGHTS[layer + _ONE]
+        if low + _unit(counter + _STEP) * (high - low) < math.exp(-0.5 * x * x):
+            break
+        counter = counter + _STEP + _STEP
+        bits = _mix(counter)
+    return -x if bits & _SIGN_BIT else x
 
 
 @compiled
@@ -84,26 +105,19 @@ def noisy_ranges(ranges: Array, range_max: float, sd: float, key: int) -> NDArra
     Returns:
         (beams,) float32 within [0, range_max].
     """
+    beams = np.uint64(len(ranges))
+    draws, missed = np.empty(len(ranges)), np.empty(len(ranges), dtype=np.bool_)
+    for i in range(beams):  # Without branches, so that it is vectorised.
+        bits = _mix(np.uint64(key) + (np.uint64(i) + _ONE) * _STEP)
+        layer = bits & _LAYER_MASK
+        x = float(bits >> _MANTISSA_SHIFT) * UNIT * _EDGES[layer]
+        missed[i] = x >= _EDGES[layer + _ONE]
+        draws[i] = -x if bits & _SIGN_BIT else x
+    for i in range(beams):
+        if missed[i]:
+            draws[i] = _finish(_mix(np.uint64(key) + (np.uint64(i) + _ONE) * _STEP))
     out = np.empty(len(ranges), dtype=np.float32)
-    counter = np.uint64(key)
-    for i in range(len(ranges)):
-        if ranges[i] >= range_max:
-            out[i] = range_max
-            continue
-        while True:
-            counter += _STEP
-            bits = _mix(counter)
-            layer = bits & _LAYER_MASK
-            x = float(bits >> _MANTISSA_SHIFT) * UNIT * _EDGES[layer]
-            if x < _EDGES[layer + np.uint64(1)]:
-                break
-            if layer == np.uint64(0):
-                x, counter = _tail(counter)
-                break
-            counter += _STEP
-            low, high = _HEIGHTS[layer], _HEIGHTS[layer + np.uint64(1)]
-            if low + _unit(counter) * (high - low) < math.exp(-0.5 * x * x):
-                break
-        noise = -x if bits & _SIGN_BIT else x
-        out[i] = min(max(ranges[i] + sd * noise, 0.0), range_max)
+    for i in range(beams):
+        noisy = min(max(ranges[i] + sd * draws[i], 0.0), range_max)
+        out[i] = noisy if ranges[i] < range_max else range_max
     return out

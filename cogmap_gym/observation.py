@@ -64,7 +64,7 @@ class LaserSpec:
     @property
     def angles(self) -> NDArray[np.float64]:
         """Beam directions in the laser's frame [rad], shape (beams,)."""
-        return self.first_angle + self.step * np.arange(self.beams)
+        return np.asarray(self.first_angle + self.step * np.arange(self.beams, dtype=np.float64))
 
     @property
     def robot_from_laser(self) -> Pose:

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cogmap_gym.geometry import NO_SEGMENTS, Array, Pose, Segments
-from cogmap_gym.raycast_kernel import CELL_MARGIN, Ints, cast, register
+from cogmap_gym.raycast_kernel import LANES, Ints, cast_rays
+from cogmap_gym.wall_cells import file_in_cells, lay_out_cells
 
-CELL: Final = 4.0
-"""Side of a grid cell [m]. Ours: fastest of 2-12 m, from 150 to 100,000 walls of an office."""
-MOST_CELLS: Final = 1_000_000
-"""Cells of a grid, about; sparse, vast worlds get larger cells. Ours: 8 MB of indexes."""
 ABSENT: Final = int(np.iinfo(np.int64).max)
 """Stamp of a movable segment that is not there: it counts as already drawn."""
 
@@ -64,11 +60,11 @@ class RayCaster:
         self._seen[len(walls) :] = ABSENT
         self._movable = len(movable)
         self._stamp = 0
-        self._grid, self._columns, self._lines = _layout(self._segments)
-        self._first, self._rows = _index(self._segments, self._grid, self._columns, self._lines)
+        self._grid, self._columns, self._lines = lay_out_cells(self._segments)
+        self._first, self._rows = file_in_cells(
+            self._segments, self._grid, self._columns, self._lines
+        )
         self._laser: Fan | None = None
-        self._middle = 0.0
-        self._fan = np.zeros((2, 0))
 
     def set_solid(self, row: int, solid: bool) -> None:
         """Put movable segment ``row`` in its place, or take it away.
@@ -99,7 +95,7 @@ class RayCaster:
         if laser is not self._laser:
             self._aim(laser)
         self._stamp += 1
-        return cast(
+        return cast_rays(
             self._segments,
             self._first,
             self._rows,
@@ -109,38 +105,20 @@ class RayCaster:
             self._columns,
             self._lines,
             self._fan,
-            laser.step,
-            laser.range_max,
-            laser_pose.x,
-            laser_pose.y,
+            self._last,
+            self._step,
+            self._range_max,
+            float(laser_pose.x),
+            float(laser_pose.y),
             laser_pose.theta + self._middle,
         )
 
     def _aim(self, laser: Fan) -> None:
-        """Tabulate the beam directions of ``laser`` about the middle of its fan."""
-        angles = (np.arange(laser.beams) - 0.5 * (laser.beams - 1)) * laser.step
-        self._fan = np.stack((np.cos(angles), np.sin(angles)))
-        self._middle = laser.first_angle + 0.5 * (laser.beams - 1) * laser.step
+        """Tabulate the beams of ``laser`` about the middle of its fan."""
         self._laser = laser
-
-
-def _layout(segments: Array) -> tuple[Array, int, int]:
-    """Choose a grid over ``segments`` (N, 4): (x0, y0, cell) in metres, columns, lines."""
-    if not len(segments):
-        return np.array((0.0, 0.0, CELL)), 1, 1
-    points = segments.reshape(-1, 2)
-    low = points.min(axis=0) - CELL_MARGIN
-    width, height = points.max(axis=0) + CELL_MARGIN - low
-    area_cell, side_cell = math.sqrt(width * height / MOST_CELLS), max(width, height) / MOST_CELLS
-    cell = max(CELL, 2.0 * area_cell, 4.0 * side_cell)
-    return np.array((low[0], low[1], cell)), int(width // cell) + 1, int(height // cell) + 1
-
-
-def _index(segments: Array, grid: Array, columns: int, lines: int) -> tuple[Ints, Ints]:
-    """List the rows of each cell: cell c holds ``rows[first[c]:first[c + 1]]``."""
-    first = np.zeros(columns * lines + 1, dtype=np.int64)
-    register(segments, grid, columns, lines, first[1:], np.zeros(0, dtype=np.int64))
-    first = np.cumsum(first)
-    rows = np.zeros(first[-1], dtype=np.int64)
-    register(segments, grid, columns, lines, first[:-1].copy(), rows)
-    return first, rows
+        self._last, self._step = laser.beams - 1, float(laser.step)
+        self._range_max = float(laser.range_max)
+        self._middle = laser.first_angle + 0.5 * self._last * self._step
+        angles = (np.arange(laser.beams) - 0.5 * self._last) * self._step
+        self._fan = np.zeros((2, -(-laser.beams // LANES) * LANES))
+        self._fan[:, : laser.beams] = np.cos(angles), np.sin(angles)

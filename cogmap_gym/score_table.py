@@ -81,7 +81,8 @@ def _rooms(rows: Sequence[Row]) -> list[str]:
 def _drift(rows: Sequence[Row]) -> list[str]:
     both = [row for row in rows if row["mfis_error"] is not None]
     mfis, reckoned = ([row[key] for row in both] for key in ("mfis_error", "reckoning_error"))
-    ratio = f"{np.median(mfis) / np.median(reckoned):.3f}" if both else "-"
+    drifted = bool(both) and float(np.median(reckoned)) > 0.0
+    ratio = f"{np.median(mfis) / np.median(reckoned):.3f}" if drifted else "-"
     after = [row["closed_error"] for row in both]
     return [
         _value("MFIS pose error on re-entering ASR1, median [m]", _median(mfis)),

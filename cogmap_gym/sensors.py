@@ -40,6 +40,7 @@ class Laser:
     def __init__(self, caster: RayCaster, spec: LaserSpec) -> None:
         self._caster = caster
         self._spec = spec
+        self._range_max, self._sd = float(spec.range_max), float(spec.sd)
         self._centred = spec.mount == (0.0, 0.0, 0.0)
 
     def scan(self, robot_pose: Pose, rng: np.random.Generator) -> Range32:
@@ -54,7 +55,7 @@ class Laser:
         spec = self._spec
         pose = robot_pose if self._centred else robot_pose @ spec.robot_from_laser
         key = rng.bit_generator.random_raw() >> 1  # Signed, for one compiled version.
-        return noisy_ranges(self._caster.ranges(pose, spec), spec.range_max, spec.sd, key)
+        return noisy_ranges(self._caster.ranges(pose, spec), self._range_max, self._sd, key)
 
 
 def laser_spec(value: LaserSpec | Mapping[str, Any] | None) -> LaserSpec:

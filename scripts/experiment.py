@@ -1,7 +1,6 @@
 """Run an experiment of the thesis and show what came of it, in numbers and pictures.
 
 Usage: python scripts/experiment.py N --seed S --out DIR [--odometry LEVEL] [--literal]
-
 Writes DIR/result.json and pictures, each as soon as there is something to write.
 """
 
@@ -25,14 +24,14 @@ from agents.cogmap.agent import CogMapAgent
 from agents.cogmap.params import Params
 from agents.rollout import run_episode
 from cogmap_gym.geometry import Pose
+from cogmap_gym.saving import save_png, write_whole
 from cogmap_gym.thesis_tasks import PHASES
 
 
 class Report:
     """Follows an episode and writes down what there is to report, as it comes.
 
-    ``head`` begins ``result.json``; landmarks are drawn of the step ``chosen``, or else of the
-    first step after the loop was closed.
+    Landmarks are those of step ``chosen``, or else of the first after the loop was closed.
     """
 
     def __init__(
@@ -48,20 +47,20 @@ class Report:
         self.last, self.begun, self.interrupted = agent.memory, 0, False
 
     def on_step(self, step: int, seen: Any, _action: Any, info: dict[str, Any], _: Any) -> None:
-        """Called by ``run_episode`` after each decision of the robot."""
+        """Called after each decision of the robot."""
         if self.interrupted:
             raise KeyboardInterrupt
         self.true_path.append(info["pose"][:2])
         self.end_phases()
-        now, plan = self.agent.memory, PHASES[self.head["experiment"]]
-        what = f"phase {info['phase'] + 1} of {len(plan)}: {plan[info['phase']].task}, step {step}"
-        self.progress.update(self.bar, description=what)
+        now, plan, k = self.agent.memory, PHASES[self.head["experiment"]], info["phase"]
+        said = f"phase {k + 1} of {len(plan)}: {plan[k].task}, step {step}"
+        self.progress.update(self.bar, description=said)
         for asr in now.network.asrs:
             old = self.last.network.asr(asr.id)
             if old is None or (asr.closed and not old.closed):
                 path, own = now.path[self.last.stay.began :, :2], set(asr.surfaces.tolist())
-                shape = own, asr.corners, asr.large, path
-                self.save(f"asr{asr.id}", fig.asr_figure(self.agent.sketch(), asr.id, *shape))
+                shape = asr.id, own, asr.corners, asr.large, path
+                self.save(f"asr{asr.id}", fig.asr_figure(self.agent.sketch(), *shape))
         if self.chosen is None and now.stay.known and not self.last.stay.known:
             self.chosen = step + 1
         elif self.chosen == step:
@@ -72,23 +71,21 @@ class Report:
         """The last view, this one, and its landmarks, in the robot's present frame."""
         last, now = self.last.mapping, self.agent.memory.mapping
         before = Pose(*map(float, odometry)).inverse().apply(last.view.surfaces)
-        rows = np.unique(now.pairs[:, 1])
+        rows, seen = np.unique(now.pairs[:, 1]), now.view.surfaces
         landmarks = now.mfis_from_robot.inverse().apply(now.mfis.surfaces[rows])
-        return fig.TwoViews(
-            now.step, before, last.ids, now.view.surfaces, now.ids, landmarks, rows + 1
-        )
+        return fig.TwoViews(now.step, before, last.ids, seen, now.ids, landmarks, rows + 1)
 
     def end_phases(self) -> None:
         """Report the phases that are over and not yet reported."""
         path = self.agent.memory.path[:, :2]
         for result in self.env.task.results[len(self.phases) :]:
-            sketch = self.agent.sketch()
-            counts = {key: len(sketch[key]) for key in ("asrs", "exits")}
-            self.phases.append({**dataclasses.asdict(result), **counts, "links": sketch["links"]})
+            sketch, row = self.agent.sketch(), dataclasses.asdict(result)
+            counts = {"asrs": len(sketch["asrs"]), "exits": len(sketch["exits"])}
+            self.phases.append(row | counts | {"links": sketch["links"]})
             self.write()
-            number, phase = len(self.phases), self.phases[-1]
-            for name, made in fig.phase_figures(number, phase, sketch, path[self.begun :]).items():
-                self.save(name, made)
+            ended = len(self.phases), self.phases[-1], sketch, path[self.begun :]
+            for item in fig.phase_figures(*ended).items():
+                self.save(*item)
             self.begun = len(path) - 1
 
     def finish(self) -> None:
@@ -98,15 +95,15 @@ class Report:
         if self.true_path:
             truth, home = np.array(self.true_path), self.env.task.marks[1]
             title = "Experiment {experiment}, seed {seed}".format(**self.head)
-            belief = self.agent.sketch(), self.agent.memory.path[:, :2], home
-            shut = self.env.world.shut_doors
-            self.save("overview", fig.overview_figure(self.env.plan, truth, *belief, title, shut))
+            belief = self.agent.sketch(), self.agent.memory.path[:, :2], home, title
+            figure = fig.overview_figure(self.env.plan, truth, *belief, self.env.world.shut_doors)
+            self.save("overview", figure)
 
     def write(self) -> None:
         """Write ``result.json``."""
         note = {"interrupted": True} if self.interrupted else {}
         text = json.dumps({**self.head, "phases": self.phases, **note}, indent=1)
-        fig.write_whole(self.out / "result.json", text.encode())
+        write_whole(self.out / "result.json", text.encode())
 
     def interrupt(self, *_: Any) -> None:
         """Ctrl-C ends the run after this step; a second one ends all at once."""
@@ -116,7 +113,7 @@ class Report:
 
     def save(self, name: str, figure: Figure) -> None:
         """Write a picture."""
-        self.pictures[name] = fig.save_png(figure, self.out / f"{name}.png")
+        self.pictures[name] = save_png(figure, self.out / f"{name}.png")
 
 
 def main(
@@ -129,13 +126,12 @@ def main(
     literal: Annotated[bool, typer.Option("--literal", help="the text as written")] = False,
 ) -> None:
     """Run an experiment of the thesis; Ctrl-C leaves what was done so far."""
-    if literal and not hasattr(Params, "literal"):
-        raise typer.BadParameter("this version of the robot has no literal parameters")
     try:
+        params = Params.literal() if literal else Params()
         env = gym.make("CogMap/Thesis-v0", experiment=experiment, odometry=odometry, map=map_)
-    except (ValueError, OSError) as error:
+    except (AttributeError, ValueError, OSError) as error:
         raise typer.BadParameter(str(error)) from error
-    agent = CogMapAgent(Params.literal() if literal else Params())
+    agent = CogMapAgent(params)
     out.mkdir(parents=True, exist_ok=True)
     report = Report(env.unwrapped, agent, {"experiment": experiment, "seed": seed}, out, step)
     signal.signal(signal.SIGINT, report.interrupt)

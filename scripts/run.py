@@ -21,7 +21,8 @@ from rich.progress import Progress
 import cogmap_gym
 from agents.cogmap.agent import CogMapAgent
 from agents.rollout import run_episode
-from cogmap_gym.experiment_figures import overview_figure, save_png
+from cogmap_gym.experiment_figures import overview_figure
+from cogmap_gym.saving import save_png
 
 AGENTS = {"cogmap": CogMapAgent}
 """Robot programs by name."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
 from typing import Any
 
@@ -26,7 +27,10 @@ def solid(plan: FloorPlan) -> Segments:
 
 
 def scan(
-    walls: Segments, pose: Pose, laser: LaserSpec = SYMMETRIC, rng: np.random.Generator | None = None
+    walls: Segments,
+    pose: Pose,
+    laser: LaserSpec = SYMMETRIC,
+    rng: np.random.Generator | None = None,
 ) -> Array:
     """The ranges (beams,) [m] of a robot at ``pose``; exact without ``rng``."""
     ranges = RayCaster(walls).ranges(pose @ laser.robot_from_laser, laser)
@@ -75,7 +79,7 @@ def drive(
 def along(points: Points, spacing: float = 0.5) -> list[Pose]:
     """Poses along a polyline (K, 2), every ``spacing`` metres; turns of 30 degrees at most."""
     poses: list[Pose] = []
-    for a, b in zip(points[:-1], points[1:], strict=True):
+    for a, b in itertools.pairwise(points):
         heading = float(np.arctan2(b[1] - a[1], b[0] - a[0]))
         if poses:
             turn = float(np.remainder(heading - poses[-1].theta + np.pi, 2 * np.pi) - np.pi)

@@ -55,7 +55,8 @@ def test_figure_3_10_only_lines_that_meet_the_candidate_itself_count() -> None:
 def test_more_than_five_lines_are_strong_evidence_and_five_are_weak() -> None:
     slanted = 20.0  # degrees: no similar orientation
     y = segments((-10, 0, 10, 0))
-    weak, strong = turned(segments((0, 0, 2.0, 0)), slanted), turned(segments((0, 0, 2.5, 0)), slanted)
+    weak = turned(segments((0, 0, 2.0, 0)), slanted)
+    strong = turned(segments((0, 0, 2.5, 0)), slanted)
     assert compare(np.concatenate((weak, strong)), y, LITERAL).hits.ravel().tolist() == [5, 6]
     assert find_landmarks(np.concatenate((weak, strong)), y, LITERAL).tolist() == [-1, 0]
 

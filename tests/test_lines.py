@@ -103,9 +103,7 @@ def test_a_fan_that_is_its_own_mirror_image_sees_the_mirror_image(params: Lines)
         assert (there.physical[::-1, ::-1] == here.physical).all()
 
 
-@given(
-    st.floats(-math.pi, math.pi), st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.booleans()
-)
+@given(st.floats(-math.pi, math.pi), st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.booleans())
 def test_a_view_does_not_depend_on_where_the_origin_is(
     theta: float, x: float, y: float, literal: bool
 ) -> None:
@@ -113,9 +111,7 @@ def test_a_view_does_not_depend_on_where_the_origin_is(
     # Clear of ties: half-way values would round either way.
     params = LITERAL if literal else Lines()
     here = extract_view(np.round(scan(walls, INSIDE), 6), SYMMETRIC, params)
-    there = extract_view(
-        np.round(scan(moved.apply(walls), moved @ INSIDE), 6), SYMMETRIC, params
-    )
+    there = extract_view(np.round(scan(moved.apply(walls), moved @ INSIDE), 6), SYMMETRIC, params)
     assert there.surfaces == pytest.approx(here.surfaces, abs=1e-4)
 
 
@@ -137,9 +133,7 @@ def test_a_laser_that_sits_askew_on_the_robot_shows_the_same_surfaces() -> None:
 
 
 @BOTH
-@pytest.mark.parametrize(
-    "value", [math.nan, 0.0, -1.0, math.inf, -math.inf, 32.0, 99.0], ids=str
-)
+@pytest.mark.parametrize("value", [math.nan, 0.0, -1.0, math.inf, -math.inf, 32.0, 99.0], ids=str)
 def test_a_scan_without_evidence_has_no_surfaces(params: Lines, value: float) -> None:
     view = extract_view(np.full(361, value), SYMMETRIC, params)
     assert view.surfaces.shape == (0, 2, 2)

@@ -41,8 +41,6 @@ def replayed(edits: Sequence[Edit]) -> dict[int, Segments]:
         if edit.before is None:
             assert edit.id not in told, "a surface is entered once"
             assert edit.sighted <= edit.step
-            size = np.linalg.norm(edit.in_view[1] - edit.in_view[0])
-            assert np.linalg.norm(edit.after[1] - edit.after[0]) >= size - 1e-9
         else:
             assert (edit.before == told[edit.id]).all(), "an edit begins where the last one ended"
             u = edit.before[1] - edit.before[0]
@@ -96,8 +94,8 @@ def test_a_lap_leaves_one_surface_a_wall_and_they_lie_on_the_walls() -> None:
     # Directed: both faces of a thin wall may stand, but no face twice.
     s = mapper.surfaces
     both = compare(s, s, Landmarks())
-    twice = (np.abs(both.turn) < 0.1) & (np.abs(both.offset) < 0.2) & (both.overlap > 0.5)
-    assert twice.sum() == len(s)
+    twice = (np.abs(both.turn) < 0.1) & (np.abs(both.offset) < 0.2) & ~np.eye(len(s), dtype=bool)
+    assert np.maximum(both.overlap[twice], 0.0).sum() / 2 < 0.05 * lengths(s).sum()
 
 
 def test_a_second_lap_draws_no_second_map() -> None:
@@ -138,16 +136,12 @@ def test_the_map_of_a_mirrored_building_is_the_mirrored_map() -> None:
     poses = along(np.array([[1, 1], [6, 1.5], [2, 2], [2, 6]], dtype=float))
     mirror = np.array((1.0, -1.0))
     here, _ = drive(walls, poses, turn_error=0.005)
-    there, _ = drive(
-        walls * mirror, [Pose(p.x, -p.y, -p.theta) for p in poses], turn_error=-0.005
-    )
+    there, _ = drive(walls * mirror, [Pose(p.x, -p.y, -p.theta) for p in poses], turn_error=-0.005)
     assert same_rows(there.surfaces, mirrored(here.surfaces), 0.05)
 
 
 @KINDS
-@pytest.mark.parametrize(
-    "value", [math.nan, 0.0, -3.0, math.inf, -math.inf, 32.0, 1e9], ids=str
-)
+@pytest.mark.parametrize("value", [math.nan, 0.0, -3.0, math.inf, -math.inf, 32.0, 1e9], ids=str)
 def test_scans_without_evidence_invent_nothing_and_forget_nothing(
     params: Params, value: float
 ) -> None:

@@ -20,9 +20,7 @@ NONE = np.zeros((0, 2))
 CELL = Obstacles().cell
 
 
-def remembered(
-    known: Points, walls: Segments, pose: Pose, laser: LaserSpec = SYMMETRIC
-) -> Points:
+def remembered(known: Points, walls: Segments, pose: Pose, laser: LaserSpec = SYMMETRIC) -> Points:
     """What is remembered after a view; the map lies as the walls do."""
     points = view_of(walls, pose, laser).points
     return remember_obstacles(known, points, pose, laser, Obstacles())

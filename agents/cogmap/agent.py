@@ -59,9 +59,7 @@ class CogMapAgent:
         self.edits.extend(edits)
         return action
 
-    def _decide(
-        self, memory: Memory, view: View, goal: int
-    ) -> tuple[Memory, NDArray[np.float32]]:
+    def _decide(self, memory: Memory, view: View, goal: int) -> tuple[Memory, NDArray[np.float32]]:
         """Explore while there is no goal; else travel to the goal's mark."""
         mark = memory.mark(goal) if goal else None
         if mark is None:

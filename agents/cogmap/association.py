@@ -1,4 +1,4 @@
-"""Closing a loop by association: is this unknown place one the robot knows? (thesis 4.2.2)
+"""Closing a loop by association: whether an unknown place is one the robot knows (thesis 4.2.2).
 
 The thesis names an old surface wherever a new one falls upon it. One corridor looks like another,
 so here a place is recognised only on discriminating evidence held over several views (FINDINGS 5).
@@ -180,8 +180,8 @@ def _scores(
             for b in range(len(offsets)):
                 score = 0.0
                 for k in range(len(ends)):
-                    i = int(math.floor(rx[k] + offsets[a] / cell))
-                    j = int(math.floor(ry[k] + offsets[b] / cell))
+                    i = math.floor(rx[k] + offsets[a] / cell)
+                    j = math.floor(ry[k] + offsets[b] / cell)
                     if 0 <= i < nx and 0 <= j < ny and field[i, j] < 2.0 * reach:
                         score += 1.0 - 0.5 * field[i, j] / reach
                 out[t, a, b] = score / len(ends)
@@ -218,7 +218,7 @@ def _evidence(
                 on = True
             t = ((ax - origins[k, 0]) * uy - (ay - origins[k, 1]) * ux) / denominator
             s = ((ax - origins[k, 0]) * dy - (ay - origins[k, 1]) * dx) / denominator
-            if 0.0 < t and reach < s * length < length - reach:
+            if t > 0.0 and reach < s * length < length - reach:
                 nearest = min(nearest, t)
         if on:
             matched += 1

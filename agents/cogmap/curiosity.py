@@ -103,7 +103,7 @@ def _spacing(pieces: Segments, laser: LaserSpec) -> NDArray[np.float64]:
 def _beams_around(
     points: Points, distance: NDArray[np.float64], view: View, laser: LaserSpec, params: Curiosity
 ) -> tuple[NDArray[np.float64], Bools]:
-    """The shortest beam within ``open_radius`` of each point (P, 2), and whether all are in view."""
+    """The shortest beam within ``open_radius`` of each point (P, 2), and whether all are seen."""
     ranges = np.hypot(view.points[:, 0], view.points[:, 1])
     bearing = np.arctan2(points[:, 1], points[:, 0])
     half = np.maximum(params.open_radius / np.maximum(distance, 1e-9), laser.step)

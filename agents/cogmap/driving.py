@@ -17,9 +17,7 @@ Action = NDArray[np.float32]
 
 def drive_to(memory: Memory, target: Points, robot: RobotSpec, params: Params) -> Action | None:
     """The next move towards a point (2,) in the MFIS, or None without a way."""
-    path = plan_path(
-        memory.obstacles, memory.pose.position, target, params.navigation, robot
-    )
+    path = plan_path(memory.obstacles, memory.pose.position, target, params.navigation, robot)
     return None if path is None else _move(memory, path, robot, params)
 
 
@@ -38,7 +36,7 @@ def drive_through(
     p, at = params.exploration, memory.pose.position
     before = target.middle + side * p.standoff * target.normal
     beyond = target.middle - side * p.through * target.normal
-    offset = (at - target.middle) @ target.normal * side
+    offset = float((at - target.middle) @ target.normal) * side
     aside = abs(float((at - target.middle) @ np.array((target.normal[1], -target.normal[0]))))
     if offset < p.standoff + p.arrival and aside < 0.5 * p.arrival + max(offset, 0.0) * 0.5:
         path = plan_path(memory.obstacles, at, beyond, params.navigation, robot)

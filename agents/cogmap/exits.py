@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-
 from numpy.typing import NDArray
 
 from agents.cogmap.params import Exits
@@ -31,7 +30,9 @@ class Exit:
     crossed: int
     """Step of the last crossing, or -1."""
     failures: int = 0
-    """How often the robot gave up reaching it since it was last crossed or seen open."""
+    """How often the robot gave up reaching it since it was last crossed."""
+    seam: bool = False
+    """Whether the parts of the MFIS on its two sides drifted apart on the way round."""
 
     @property
     def middle(self) -> Points:
@@ -42,7 +43,7 @@ class Exit:
     def normal(self) -> Points:
         """(2,): unit vector to the left."""
         d = self.line[1] - self.line[0]
-        return np.array((-d[1], d[0])) / np.hypot(d[0], d[1])
+        return np.asarray(np.array((-d[1], d[0])) / np.hypot(d[0], d[1]))
 
     def side_of(self, asr: int) -> int:
         """1 if the ASR lies on the left, -1 if on the right, 0 if neither is known."""
@@ -114,7 +115,7 @@ def rename_place(book: Book, old: int, new: int) -> Book:
     )
 
 
-def crossed_exit(book: Book, path: Points, here: int, params: Exits) -> Exit | None:
+def crossed_exit(book: Book, path: Points, params: Exits) -> Exit | None:
     """The exit that the path of this stay has gone through for good, if any.
 
     Crossing takes two phases: the path meets the line an odd number of times, and the robot is
@@ -123,12 +124,11 @@ def crossed_exit(book: Book, path: Points, here: int, params: Exits) -> Exit | N
     Args:
         book: all exits.
         path: (P, 2) in the MFIS, from the entry to the present position.
-        here: the ASR of this stay.
         params: thresholds.
     """
     if len(path) < 2:
         return None
-    last: tuple[int, Exit] | None = None
+    last: tuple[float, Exit] | None = None
     for known in book:
         if not known.trusted(params):
             continue
@@ -137,12 +137,12 @@ def crossed_exit(book: Book, path: Points, here: int, params: Exits) -> Exit | N
             continue
         meetings = _meetings(path, known, params)
         if len(meetings) % 2 == 1 and (last is None or meetings[-1] > last[0]):
-            last = (int(meetings[-1]), known)
+            last = (float(meetings[-1]), known)
     return last[1] if last else None
 
 
 def _meetings(path: Points, known: Exit, params: Exits) -> Points:
-    """Rows of the path whose next piece crosses the exit's line, (K,)."""
+    """Where the path crosses the exit's line, in rows and parts of the piece that follows, (K,)."""
     side = (path - known.middle) @ known.normal
     d = known.line[1] - known.line[0]
     width = float(np.hypot(*d))
@@ -150,10 +150,12 @@ def _meetings(path: Points, known: Exit, params: Exits) -> Points:
     rows = np.flatnonzero((side[:-1] < 0.0) != (side[1:] < 0.0))
     t = side[rows] / (side[rows] - side[rows + 1])
     at = along[rows] + t * (along[rows + 1] - along[rows])
-    return rows[(at > -params.slack) & (at < width + params.slack)]
+    return np.asarray((rows + t)[(at > -params.slack) & (at < width + params.slack)])
 
 
-def seen_through_exit(book: Book, robot: Points, points: Points, beside: float) -> NDArray[np.bool_]:
+def seen_through_exit(
+    book: Book, robot: Points, points: Points, beside: float
+) -> NDArray[np.bool_]:
     """Which points (P, 2) lie behind, or in, an exit as seen from the robot (2,), (P,).
 
     Args:
@@ -199,6 +201,4 @@ def _seen_again(known: Exit, line: Segments, here: int, robot: Points, params: E
         left, right = (here, right) if same else (left, here)
         if known.crossed >= 0 and left == right:
             left, right = known.left, known.right
-    return replace(
-        known, line=blended, left=left, right=right, sightings=known.sightings + 1
-    )
+    return replace(known, line=blended, left=left, right=right, sightings=known.sightings + 1)

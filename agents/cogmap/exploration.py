@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -17,9 +16,7 @@ from cogmap_gym.geometry import Points
 from cogmap_gym.observation import RobotSpec
 
 
-def explore(
-    memory: Memory, view: View, robot: RobotSpec, params: Params
-) -> tuple[Memory, Action]:
+def explore(memory: Memory, view: View, robot: RobotSpec, params: Params) -> tuple[Memory, Action]:
     """Algorithm 1: autonomous exploration.
 
     Departs from steps 3 and 4, by which the robot never left the first room (FINDINGS 2): it stays
@@ -101,9 +98,7 @@ def _best_exit(memory: Memory, params: Params) -> Exit | None:
     ]
     if not options:
         return None
-    return min(
-        options, key=lambda e: (e.failures, e.crossed, -float(np.hypot(*(e.middle - at))))
-    )
+    return min(options, key=lambda e: (e.failures, e.crossed, -float(np.hypot(*(e.middle - at)))))
 
 
 def _unexplored(memory: Memory, params: Params) -> Points:
@@ -166,8 +161,10 @@ def give_up(memory: Memory) -> Memory:
         return replace(memory, book=book, intent=None)
     if intent.kind == GAP:
         return replace(_without(memory, intent.target), intent=None)
-    return memory.with_stay(looked=True) if intent.kind == LOOK else replace(
-        memory, intent=Intent(SPOT, memory.pose.position)
+    return (
+        memory.with_stay(looked=True)
+        if intent.kind == LOOK
+        else replace(memory, intent=Intent(SPOT, memory.pose.position))
     )
 
 

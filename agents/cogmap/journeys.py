@@ -31,9 +31,7 @@ def travel(
         params: all thresholds.
     """
     at = memory.pose.position
-    blocked = frozenset(
-        e.id for e in memory.book if e.failures >= params.exploration.max_failures
-    )
+    blocked = frozenset(e.id for e in memory.book if e.failures >= params.exploration.max_failures)
     way = route(memory.book, at, memory.stay.place, mark.point, mark.place, blocked)
     if way is None:
         memory = replace(memory, route=None, status=f"no known way to mark {mark.id}")

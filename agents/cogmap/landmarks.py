@@ -127,4 +127,4 @@ def _meets(px: float, py: float, nx: float, ny: float, reach: float, y: Floats) 
     qx, qy = y[0, 0] - px, y[0, 1] - py
     t = (qx * uy - qy * ux) / denominator
     s = (qx * ny - qy * nx) / denominator
-    return abs(t) <= reach and 0.0 <= s <= 1.0
+    return bool(abs(t) <= reach and 0.0 <= s <= 1.0)

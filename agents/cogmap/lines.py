@@ -32,17 +32,17 @@ def extract_view(ranges: NDArray[np.floating], laser: LaserSpec, params: Lines) 
     Raises:
         ValueError: ``ranges`` is not one range a beam.
     """
-    ranges = np.asarray(ranges, dtype=np.float64)
-    if ranges.shape != (laser.beams,):
-        raise ValueError(f"scan: expected {laser.beams} ranges, got shape {ranges.shape}")
+    metres: NDArray[np.float64] = np.asarray(ranges, dtype=np.float64)
+    if metres.shape != (laser.beams,):
+        raise ValueError(f"scan: expected {laser.beams} ranges, got shape {metres.shape}")
     with np.errstate(invalid="ignore"):
-        good = np.isfinite(ranges) & (ranges > params.min_range) & (ranges < laser.range_max)
-    points = _points(np.where(good, ranges, np.nan), laser)
+        good = np.isfinite(metres) & (metres > params.min_range) & (metres < laser.range_max)
+    points = _points(np.where(good, metres, np.nan), laser)
     rows = np.flatnonzero(good)
     if rows.size < params.min_hits:
         return EMPTY_VIEW
     # Step 1: clusters
-    starts = _cluster_starts(points[rows], rows, ranges[rows], laser.step, params)
+    starts = _cluster_starts(points[rows], rows, metres[rows], laser.step, params)
     # Step 2: lines
     tolerance = params.slope_tolerance if params.literal else params.split_distance
     cut = _split_by_slope if params.literal else _split_by_distance
@@ -51,7 +51,7 @@ def extract_view(ranges: NDArray[np.floating], laser: LaserSpec, params: Lines) 
     keep = lengths(surfaces) >= params.min_length
     surfaces, spans = surfaces[keep], spans[keep]
     beams = rows[spans]
-    physical = _physical_ends(surfaces, beams, points, ranges, laser, params.end_depth)
+    physical = _physical_ends(surfaces, beams, points, metres, laser, params.end_depth)
     return View(
         points,
         surfaces,
@@ -159,7 +159,12 @@ def _line(points: Points, a: int, b: int) -> tuple[float, float, float, float, f
 
 
 @njit(cache=True)
-def _split_by_slope(points: Points, starts: Ints, tolerance: float, min_hits: int) -> Ints:
+def _split_by_slope(
+    points: Points,
+    starts: Ints,
+    tolerance: float,
+    min_hits: int,  # noqa: ARG001  the text asks for no number of points
+) -> Ints:
     """Group points on the same slope, as thesis 3.2 is written; pieces (K, 2).
 
     A point stays on a line while the slope to it differs from the mean slope of the
@@ -204,7 +209,7 @@ def _end_spacing(points: Points, spans: Ints) -> NDArray[np.float64]:
     """Distance of the last two points at each end of each surface, (K, 2)."""
     inner = spans + np.array((1, -1))
     gap = points[spans] - points[inner]
-    return np.hypot(gap[..., 0], gap[..., 1])
+    return np.asarray(np.hypot(gap[..., 0], gap[..., 1]))
 
 
 def _physical_ends(

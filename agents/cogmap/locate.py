@@ -66,7 +66,11 @@ def by_consensus(search: Search, params: Params) -> Located:
         if share > matched + p.search_gain:
             pose, matched = other, share
     jump = pose.distance(search.predicted)
-    if jump > (p.max_jump if matched >= p.keep_odometry_below else 0.25 * p.max_jump):
+    turn = abs(math.remainder(pose.theta - search.predicted.theta, math.tau))
+    doubtful = matched < p.keep_odometry_below and (
+        jump > p.odometry_jump[0] or turn > p.odometry_jump[1]
+    )
+    if jump > p.max_jump or doubtful:
         pose = search.predicted
         matched = _share(search, search.allowed, pose, p)
     pairs = _pairs(search, search.allowed, pose, p.offset_gates[-1], p.turn_gates[-1], params)
@@ -178,9 +182,7 @@ def by_nearest(
     pairs = np.stack((rows, ids[match[rows]] - 1), axis=-1)
     if len(rows) == 0:
         return Located(search.predicted, NO_PAIRS, 0.0), [search.predicted] * len(view.surfaces)
-    frames = [
-        _frame_of(view.surfaces[i], in_view[match[i]], mfis.surfaces[j]) for i, j in pairs
-    ]
+    frames = [_frame_of(view.surfaces[i], in_view[match[i]], mfis.surfaces[j]) for i, j in pairs]
     middles = midpoints(view.surfaces)
     gaps = np.linalg.norm(middles[:, None] - middles[rows][None], axis=-1)
     own = [frames[k] for k in gaps.argmin(axis=1)]

@@ -70,7 +70,9 @@ EMPTY_MFIS = MFIS(
     np.zeros((0, 2)),
     np.zeros(0),
     np.zeros(0),
-    *(np.zeros(0, dtype=np.int64) for _ in range(3)),
+    np.zeros(0, dtype=np.int64),
+    np.zeros(0, dtype=np.int64),
+    np.zeros(0, dtype=np.int64),
     np.zeros(0, dtype=np.bool_),
     NO_SEGMENTS,
     np.zeros(0, dtype=np.int64),
@@ -149,7 +151,8 @@ def normalise(
             if new != [0.0, span]:
                 after = known[0] + np.outer(new, u)
                 if mfis.entered[j]:
-                    edits.append(Edit(step, int(j) + 1, known.copy(), after, view.surfaces[i], step))
+                    seen = view.surfaces[i]
+                    edits.append(Edit(step, int(j) + 1, known.copy(), after, seen, step))
                 surfaces[j] = after
     return replace(mfis, surfaces=surfaces, physical=physical), edits
 
@@ -181,8 +184,12 @@ def enter(
             continue
         laid = mfis_from_robot.apply(view.surfaces[i])
         u = (laid[1] - laid[0]) / np.hypot(*(laid[1] - laid[0]))
-        along = (np.concatenate((laid, surfaces[j])) - laid[0]) @ u
-        surfaces[j] = laid[0] + np.outer((along.min(), along.max()), u)
+        rows = pairs[pairs[:, 0] == i, 1]
+        seen, own = (laid - laid[0]) @ u, np.sort((surfaces[j] - laid[0]) @ u)
+        others = ((surfaces[rows[rows != j]] - laid[0]) @ u).reshape(-1, 2) - own[0]
+        room = own[0] + np.array(_room_to_grow(others, float(own[1] - own[0])))
+        low, high = max(min(seen[0], own[0]), room[0]), min(max(seen[1], own[1]), room[1])
+        surfaces[j] = laid[0] + np.outer((low, high), u)
         anchor[j], known_sd[j] = laid.mean(axis=0), sd[i]
         anchor_sd[j] = params.range_sd / np.sqrt(view.hits[i])
         physical[j] |= view.physical[i]

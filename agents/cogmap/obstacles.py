@@ -39,7 +39,7 @@ def remember_obstacles(
     # The newest point of each cell stays.
     key = (cells[:, 0] << 32) + cells[:, 1]
     _, last = np.unique(key[::-1], return_index=True)
-    return together[len(together) - 1 - last]
+    return np.asarray(together[len(together) - 1 - last])
 
 
 def _seen_through(

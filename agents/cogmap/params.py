@@ -23,7 +23,7 @@ class Lines:
     max_missing: int = 3
     """Beams without evidence that a cluster may bridge [1]. Ours: single broken beams."""
     split_distance: float = 0.08
-    """Largest deviation of a point from its line [m]. Ours: FINDINGS 1, 97 % of wall length found."""
+    """Largest deviation of a point from its line [m]. Ours: FINDINGS 1, 97 % of walls found."""
     slope_tolerance: float = 0.35
     """Largest change of slope on one line, as written [rad]. Ours: thesis 3.2 gives none."""
     min_hits: int = 4
@@ -110,6 +110,8 @@ class Frame:
     """Gain of matched beams that makes a heading clear [1]. Ours: FINDINGS 8 c."""
     keep_odometry_below: float = 0.35
     """Share of matched beams below which no jump is believed [1]. Ours: FINDINGS 8 d."""
+    odometry_jump: tuple[float, float] = (0.2, 0.1)
+    """What counts as a jump then, metres and radians [m, rad]. Ours: three sds of a move."""
     max_jump: float = 0.8
     """Largest jump from the odometry's prediction [m]. Ours: FINDINGS 3."""
 
@@ -215,7 +217,7 @@ class Association:
     shift_penalty: float = 0.05
     """Score lost for each metre of shift [1/m]. Ours: corridors slide freely."""
     min_coverage: float = 0.35
-    """Least share of beams that end on the place's surfaces [1]. Ours: right 0.41 up, wrong 0.09."""
+    """Least share of beams that end on the place's surfaces [1]. Ours: right 0.41, wrong 0.09."""
     max_contradiction: float = 0.1
     """Largest share of beams that go through them [1]. Ours: FINDINGS 5."""
     margin: float = 0.15
@@ -224,6 +226,10 @@ class Association:
     """Least share of the poses since the crossing inside the place [1]. Ours: FINDINGS 5."""
     inside_slack: float = 0.3
     """How far outside its boundary still counts as inside [m]. Ours: boundaries are rough."""
+    seam_shift: float = 0.1
+    """A larger shift on recognition leaves a seam in the map [m]. Ours: below the last gate."""
+    seam_turn: float = 0.02
+    """A larger turn on recognition leaves a seam in the map [rad]. Ours: 0.1 m at 5 m."""
     door_distance: float = 1.0
     """The crossed exit lies this near to the place's boundary [m]. Ours: FINDINGS 5."""
 
@@ -304,7 +310,7 @@ class Gaps:
     """How far a surface's end may lie from its wall's true end [m]. Ours: splits at jambs."""
     beyond: float = 0.4
     """A beam so far beyond the wall has gone through it [m]. Ours: over a wall's thickness."""
-    room_beyond: float = 1.0
+    room_beyond: float = 1.3
     """Some of those go so far at least [m]. Ours: a niche between cupboards is no doorway."""
     room_share: float = 0.2
     """Share that does [1]. Ours: a door in a corner is seen against the wall that goes on."""

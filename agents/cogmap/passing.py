@@ -18,7 +18,7 @@ from cogmap_gym.geometry import NO_SEGMENTS, segments_cross
 def notice_crossing(memory: Memory, params: Params) -> Exit | None:
     """The exit the robot has just crossed, or None."""
     stay = memory.stay
-    return crossed_exit(memory.book, stay.path, stay.place, params.exits)
+    return crossed_exit(memory.book, stay.path, params.exits)
 
 
 def leave(memory: Memory, crossed: Exit, params: Params) -> Memory:

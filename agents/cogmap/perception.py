@@ -17,7 +17,7 @@ from agents.cogmap.memory import Memory
 from agents.cogmap.mfis import UNTAGGED, Edit
 from agents.cogmap.obstacles import remember_obstacles
 from agents.cogmap.params import Params
-from agents.cogmap.places import links
+from agents.cogmap.places import seen_from
 from agents.cogmap.view import View
 from cogmap_gym.geometry import Pose
 from cogmap_gym.observation import LaserSpec
@@ -83,9 +83,7 @@ def _allowed(memory: Memory) -> NDArray[np.bool_]:
     asr, stay = memory.mapping.mfis.asr, memory.stay
     places = {UNTAGGED, stay.came_from}
     if stay.settled:
-        here = stay.place
-        places |= {b if a == here else a for a, _, b in links(memory.book) if here in (a, b)}
-        places.add(here)
+        places = {UNTAGGED, stay.place} | seen_from(memory.book, stay.place)
     return np.isin(asr, list(places))
 
 

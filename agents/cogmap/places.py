@@ -42,6 +42,12 @@ def links(book: Book) -> list[tuple[int, int, int]]:
     ]
 
 
+def seen_from(book: Book, asr: int) -> set[int]:
+    """The places linked to this one that lie in one piece of the MFIS with it."""
+    beside = [e for e in book if e.crossed >= 0 and asr in (e.left, e.right) and not e.seam]
+    return {e.beyond(asr) for e in beside} - {NOWHERE, asr}
+
+
 def exits_of(book: Book, asr: int) -> list[Exit]:
     """The exits that have this ASR on one side."""
     return [e for e in book if asr in (e.left, e.right) and e.left != e.right]
@@ -63,7 +69,7 @@ def route(
     Returns:
         Ids of the exits to cross, in order; empty when it is there already; None without a way.
     """
-    graph = nx.Graph()
+    graph: nx.Graph[str | int] = nx.Graph()
     known = [e for e in book if e.crossed >= 0 and e.id not in hidden and e.left != e.right]
     spots: dict[int, list[tuple[str | int, Points]]] = {}
     for e in known:

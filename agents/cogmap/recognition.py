@@ -20,7 +20,7 @@ from agents.cogmap.exits import (
 )
 from agents.cogmap.landmarks import find_landmarks
 from agents.cogmap.memory import Memory
-from agents.cogmap.mfis import FORGOTTEN, UNTAGGED, tag
+from agents.cogmap.mfis import FORGOTTEN, MFIS, UNTAGGED, tag
 from agents.cogmap.params import Association, Params
 from cogmap_gym.geometry import Pose, segments_cross
 
@@ -59,9 +59,7 @@ def _candidates(memory: Memory, p: Association) -> list[ASR]:
     stay = memory.stay
     if stay.known:
         return [a for a in memory.network.asrs if a.id == stay.place and a.closed]
-    return [
-        a for a in memory.network.asrs if a.id != stay.came_from and _reachable(memory, a, p)
-    ]
+    return [a for a in memory.network.asrs if a.id != stay.came_from and _reachable(memory, a, p)]
 
 
 def _due(views: int, p: Association) -> bool:
@@ -92,7 +90,7 @@ def _reachable(memory: Memory, asr: ASR, p: Association) -> bool:
 def _surfaces(memory: Memory, asr: ASR) -> NDArray[np.float64]:
     """The surfaces of a known place, (M, 2, 2)."""
     mfis = memory.mapping.mfis
-    return mfis.surfaces[mfis.asr == asr.id]
+    return np.asarray(mfis.surfaces[mfis.asr == asr.id])
 
 
 def _possible(memory: Memory, hypothesis: Hypothesis, p: Association) -> bool:
@@ -139,7 +137,7 @@ def _accept(memory: Memory, hypothesis: Hypothesis, params: Params) -> Memory:
     twin = None if stay.known else _twin(memory, entry, hypothesis)
     mapping = replace(
         memory.mapping,
-        mfis=tag(memory.mapping.mfis, _ghosts(memory, hypothesis, params), FORGOTTEN),
+        mfis=_forget_and_part(memory, hypothesis, params),
         mfis_from_robot=shift @ memory.pose,
     )
     book = memory.book
@@ -147,6 +145,8 @@ def _accept(memory: Memory, hypothesis: Hypothesis, params: Params) -> Memory:
         book = _merged_exits(book, stay.place, shift, stay.entry, place, params)
     if twin is not None:
         book = _merge_entry(book, book[entry.id - 1], book[twin.id - 1])
+    if _drifted(hypothesis, params.association):
+        book = tuple(replace(e, seam=True) if e.id == stay.entry else e for e in book)
     kept = stay.entry if twin is None or twin.crossed < 0 else twin.id
     return replace(
         memory,
@@ -167,6 +167,20 @@ def _accept(memory: Memory, hypothesis: Hypothesis, params: Params) -> Memory:
         intent=None,
         status=f"recognised {place}",
     )
+
+
+def _drifted(hypothesis: Hypothesis, p: Association) -> bool:
+    """Whether the robot had drifted so far that the map has a seam at the exit."""
+    return hypothesis.distance > p.seam_shift or abs(hypothesis.shift.theta) > p.seam_turn
+
+
+def _forget_and_part(memory: Memory, hypothesis: Hypothesis, params: Params) -> MFIS:
+    """Forget what was seen twice; at a seam, what waits untagged stays with the place just left."""
+    mfis = tag(memory.mapping.mfis, _ghosts(memory, hypothesis, params), FORGOTTEN)
+    if not _drifted(hypothesis, params.association):
+        return mfis
+    near = mfis.seen >= memory.stay.began - params.frame.recent
+    return tag(mfis, np.flatnonzero(near & (mfis.asr == UNTAGGED)), memory.stay.came_from)
 
 
 def _ghosts(memory: Memory, hypothesis: Hypothesis, params: Params) -> NDArray[np.int64]:
@@ -199,9 +213,7 @@ def _merged_exits(
 def _merge_entry(book: Book, entry: Exit, twin: Exit) -> Book:
     """One exit for the crossed one and the known one: the one crossed before, else the new one."""
     if twin.crossed >= 0:
-        return replace_exit(
-            replace_exit(book, _void(entry)), replace(twin, crossed=entry.crossed)
-        )
+        return replace_exit(replace_exit(book, _void(entry)), replace(twin, crossed=entry.crossed))
     return replace_exit(book, _void(twin))
 
 

@@ -19,9 +19,7 @@ def draw_sketch(memory: Memory) -> dict[str, Any]:
             for i, s, a in zip(mfis.ids, mfis.surfaces, mfis.asr, strict=True)
             if a != FORGOTTEN
         ],
-        "exits": [
-            {"id": e.id, "p": e.line[0].tolist(), "q": e.line[1].tolist()} for e in exits
-        ],
+        "exits": [{"id": e.id, "p": e.line[0].tolist(), "q": e.line[1].tolist()} for e in exits],
         "asrs": [
             {
                 "id": a.id,
