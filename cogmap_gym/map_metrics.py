@@ -1,8 +1,7 @@
 """How good a map of surfaces is: which true wall each surface shows, and how often over.
 
-The true wall of a surface is the wall face nearest its points under the true pose when it
-was seen. Faces in line with one another, in one room, are one *wall line*: a wall goes on
-behind a doorway, a shut leaf or a pillar.
+Its true wall is the face nearest its points under the true pose when it was seen. Faces in line
+in one room are one *wall line*: a wall goes on behind a doorway, a shut leaf or a pillar.
 """
 
 from __future__ import annotations
@@ -67,7 +66,7 @@ class WallFaces:
 
 
 def wall_faces(plan: FloorPlan) -> WallFaces:
-    """The visible sides of all walls, furniture and door leaves of a plan, in wall lines."""
+    """The visible sides of walls, furniture and door leaves; furniture joins no wall line."""
     solid, leaves = plan.walls_and_furniture(), plan.door_segments()
     both = np.concatenate((solid, solid[:, ::-1], leaves, leaves[:, ::-1]))
     doors = ("",) * (2 * len(solid)) + 2 * plan.door_names
@@ -76,11 +75,11 @@ def wall_faces(plan: FloorPlan) -> WallFaces:
     before = both[:, None, 0] + SHARES[:, None] * along[:, None] + SIDE_M * left[:, None]
     free = shapely.intersects_xy(plan.free_space(), before[..., 0], before[..., 1])
     kept = np.flatnonzero(free.any(axis=1))
-    walls = len(plan.wall_segments())
-    single = len(both) * [False]
-    for first in (walls, len(solid) + walls):
-        single[first : first + len(solid) - walls] = (len(solid) - walls) * [True]
-    owner = [f"piece {row}" if single[row] else _room(plan, before[row][free[row]]) for row in kept]
+    pieces = len(plan.furniture_segments())
+    walls = len(solid) - pieces
+    counts = (walls, pieces, walls, pieces, 2 * len(leaves))
+    alone = np.repeat((False, True, False, True, False), counts)
+    owner = [f"piece {row}" if alone[row] else _room(plan, before[row][free[row]]) for row in kept]
     faces = both[kept]
     return WallFaces(faces, _lines(faces, owner), tuple(doors[row] for row in kept))
 
@@ -129,10 +128,8 @@ def true_lines(surfaces: Segments, faces: WallFaces, shut: Collection[str]) -> I
     fits = (np.abs(turn) <= FACE_TURN) & faces.present(shut)
     gaps = np.where(fits[:, None], gaps, np.inf)
     nearest, reach = gaps.argmin(axis=2), gaps.min(axis=2)
-    return np.array(
-        [_vote(faces.line[n[r <= REACH_M]]) for n, r in zip(nearest, reach, strict=True)],
-        dtype=np.int64,
-    )
+    near = (n[r <= REACH_M] for n, r in zip(nearest, reach, strict=True))
+    return np.array([_vote(faces.line[rows]) for rows in near], dtype=np.int64)
 
 
 def _vote(lines: Ints) -> int:
@@ -202,8 +199,8 @@ def cover_ratios(
     for surface, number in zip(surfaces, ids, strict=True):
         known = origin[int(number)]
         if known.line != NO_WALL:
-            at = in_plan(surface, known) @ _direction(faces, known.line)
-            spans.setdefault(known.line, []).append((float(at.min()), float(at.max())))
+            start, end = sorted((in_plan(surface, known) @ _direction(faces, known.line)).tolist())
+            spans.setdefault(known.line, []).append((start, end))
     return np.array([_summed_over_union(span) for span in spans.values()])
 
 
@@ -229,7 +226,7 @@ def shows_again(
 
 
 def in_plan(surface: Segments, known: Origin) -> Segments:
-    """Where a surface (2, 2) of the map truly is, in the plan, by its true place when entered."""
+    """Where a surface (2, 2) of the map truly is, by its true place when entered."""
     grown = (surface - known.in_map[0]) @ _unit(known.in_map)
     return np.asarray(known.in_plan[0] + grown[:, None] * _unit(known.in_plan))
 

@@ -224,12 +224,11 @@ def _drift(record: Record, stay: Visit | None) -> dict[str, Any]:
 def _proofs(record: Record) -> dict[str, Any]:
     names = old_names(record, 0, len(record.steps), len(record.steps), None)
     last = record.steps[-1]
+    entered = {row + 1: last.surfaces[row] for row in np.flatnonzero(last.entered).tolist()}
     return {
         "steps": len(record.steps),
         "names": names.total,
         "false_names": names.false,
         "phantoms": sum(origin.line == NO_WALL for origin in record.origins.values()),
-        "edit_violations": edit_violations(
-            record.edits, {row + 1: last.surfaces[row] for row in np.flatnonzero(last.entered).tolist()}
-        ),
+        "edit_violations": edit_violations(record.edits, entered),
     }

@@ -75,13 +75,18 @@ def entered(
 
 
 def lengthened(
-    known: Segments, surfaces: Segments, physical: tuple[bool, bool] = (False, False)
+    known: Segments,
+    surfaces: Segments,
+    physical: tuple[bool, bool] = (False, False),
+    params: Transfer | None = None,
 ) -> Segments:
     """The map after a view from its origin that shows ``surfaces`` as each of ``known``."""
     mfis = entered(known, physical=physical[0]).mfis
     i, j = np.meshgrid(np.arange(len(surfaces)), np.arange(len(known)), indexing="ij")
     pairs = np.stack((i.ravel(), j.ravel()), axis=-1)
-    after, edits = normalise(seen(surfaces, physical[1]), mfis, pairs, Pose(), 8, Transfer())
+    after, edits = normalise(
+        seen(surfaces, physical[1]), mfis, pairs, Pose(), 8, params or Transfer()
+    )
     changed = {e.id for e in edits}
     assert all((after.surfaces[e.id - 1] == e.after).all() for e in edits if e is edits[-1])
     unchanged = np.array([k + 1 not in changed for k in range(len(known))])
@@ -209,6 +214,12 @@ def test_figure_3_16_a_surface_of_which_less_is_seen_keeps_its_length() -> None:
 def test_a_surface_does_not_grow_by_the_noise_of_an_end() -> None:
     known = segments((0, 0, 4, 0))
     assert (lengthened(known, segments((-0.04, 0, 4.04, 0))) == known).all()
+
+
+def test_as_written_a_surface_grows_by_whatever_is_seen_of_it() -> None:
+    seen = segments((-0.04, 0, 4.04, 0))
+    after = lengthened(segments((0, 0, 4, 0)), seen, (True, False), LITERAL)
+    assert after == pytest.approx(seen)
 
 
 def test_the_end_of_a_wall_moves_only_for_as_much_as_is_no_noise() -> None:

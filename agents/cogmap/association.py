@@ -220,8 +220,8 @@ def _evidence(
             s = ((ax - origins[k, 0]) * dy - (ay - origins[k, 1]) * dx) / denominator
             if t > 0.0 and reach < s * length < length - reach:
                 nearest = min(nearest, t)
-        if on:
-            matched += 1
-        elif nearest * size < size - 2.0 * reach:
+        if nearest * size < size - 2.0 * reach:
             through += 1
+        elif on:
+            matched += 1
     return matched, through, len(ends)

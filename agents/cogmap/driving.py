@@ -47,6 +47,25 @@ def drive_through(
     return None if path is None else _move(memory, path, robot, params)
 
 
+def drive_before(
+    memory: Memory, target: Exit, side: float, robot: RobotSpec, params: Params
+) -> Action | None:
+    """The next move to stand squarely before an exit and face it; None without a way.
+
+    Args:
+        memory: where the robot is.
+        target: the exit.
+        side: 1 if the robot's place lies on the exit's left, else -1.
+        robot: limits of a move.
+        params: distances.
+    """
+    before = target.middle + side * params.exploration.lookout * target.normal
+    if float(np.hypot(*(before - memory.pose.position))) > params.exploration.arrival:
+        return drive_to(memory, before, robot, params)
+    ahead = memory.pose.inverse().apply(target.middle)
+    return turn(float(np.arctan2(ahead[1], ahead[0])), robot)
+
+
 def turn(angle: float, robot: RobotSpec) -> Action:
     """Turn on the spot by at most one move's turn [rad]."""
     return robot.move(float(np.clip(angle, -robot.max_turn, robot.max_turn)), 0.0)

@@ -6,14 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from agents.cogmap.driving import Action, drive_through, drive_to, turn
+from agents.cogmap.driving import Action, drive_before, drive_through, drive_to, turn
 from agents.cogmap.exits import Exit
-from agents.cogmap.memory import EXIT, GAP, LOOK, SPOT, Intent, Memory
+from agents.cogmap.memory import CHECK, EXIT, GAP, LOOK, SPOT, Intent, Memory
 from agents.cogmap.params import Params
 from agents.cogmap.places import exits_of
 from agents.cogmap.view import View
 from cogmap_gym.geometry import Points
 from cogmap_gym.observation import RobotSpec
+
+
+_SAME_TARGET = 1.0
 
 
 def explore(memory: Memory, view: View, robot: RobotSpec, params: Params) -> tuple[Memory, Action]:
@@ -33,6 +36,7 @@ def explore(memory: Memory, view: View, robot: RobotSpec, params: Params) -> tup
         # Step 3
         if memory.intent is not None and memory.intent.steps > params.exploration.patience:
             memory = give_up(memory)
+        memory = _arrived(memory, params)
         intent = _valid(memory, params) or choose(memory, view, params)
         memory = replace(memory, intent=replace(intent, steps=intent.steps + 1))
         # Step 4
@@ -41,6 +45,18 @@ def explore(memory: Memory, view: View, robot: RobotSpec, params: Params) -> tup
             return memory, action
         memory = give_up(memory)
     return memory, turn(robot.max_turn, robot)
+
+
+def _arrived(memory: Memory, params: Params) -> Memory:
+    """Note a gap that is reached, or that no longer hides anything."""
+    intent = memory.intent
+    if intent is None or intent.kind != GAP:
+        return memory
+    near = float(np.hypot(*(intent.target - memory.pose.position))) < params.exploration.arrival
+    hides = _about(_unexplored(memory, params), intent.target).any()
+    if hides and not near:
+        return memory
+    return replace(_without(memory, intent.target), intent=None)
 
 
 def _valid(memory: Memory, params: Params) -> Intent | None:
@@ -54,8 +70,11 @@ def _valid(memory: Memory, params: Params) -> Intent | None:
         target = memory.exit(intent.exit)
         usable = target.trusted(params.exits) and target.side_of(stay.place) != 0
         return replace(intent, target=target.middle) if usable else None
-    if float(np.hypot(*(intent.target - memory.pose.position))) < p.arrival:
-        return None
+    if intent.kind == SPOT:
+        away = float(np.hypot(*(intent.target - memory.pose.position)))
+        return intent if away >= p.arrival else None
+    if intent.kind == CHECK:
+        return None if memory.exit(intent.exit).trusted(params.exits) else intent
     if intent.kind == GAP and _best_exit(memory, params) is not None:
         return None
     return intent
@@ -72,7 +91,12 @@ def choose(memory: Memory, view: View, params: Params) -> Intent:
         return Intent(SPOT, spot)
     best = _best_exit(memory, params)
     gap = _best_gap(memory, _unexplored(memory, params))
-    if best is not None and (best.crossed < 0 or gap is None or stay.known):
+    if best is not None and best.crossed < 0:
+        return Intent(EXIT, best.middle, best.id)
+    doubtful = _doubtful_exit(memory, params)
+    if doubtful is not None:
+        return Intent(CHECK, doubtful.middle, doubtful.id)
+    if best is not None and stay.known:
         return Intent(EXIT, best.middle, best.id)
     if gap is not None:
         return Intent(GAP, gap)
@@ -101,13 +125,32 @@ def _best_exit(memory: Memory, params: Params) -> Exit | None:
     return min(options, key=lambda e: (e.failures, e.crossed, -float(np.hypot(*(e.middle - at)))))
 
 
+def _doubtful_exit(memory: Memory, params: Params) -> Exit | None:
+    """The nearest exit seen too seldom to count."""
+    at = memory.pose.position
+    options = [
+        e
+        for e in exits_of(memory.book, memory.stay.place)
+        if not e.trusted(params.exits) and e.failures < params.exploration.max_failures
+    ]
+    return min(options, key=lambda e: float(np.hypot(*(e.middle - at))), default=None)
+
+
 def _unexplored(memory: Memory, params: Params) -> Points:
     """Where to go to see more of this place, (K, 2) in the MFIS."""
     dim = memory.stay.dim
     d = dim[:, 1] - dim[:, 0]
     left = np.stack((-d[:, 1], d[:, 0]), axis=-1) / np.hypot(d[:, 0], d[:, 1])[:, None]
     before = dim.mean(axis=1) + params.curiosity.stand * left
-    return np.concatenate((memory.stay.gaps, before))
+    waiting = np.concatenate((memory.stay.gaps, before))
+    for done in memory.stay.done:
+        waiting = waiting[~_about(waiting, done)]
+    return waiting
+
+
+def _about(points: Points, target: Points) -> NDArray[np.bool_]:
+    """Which points (P, 2) mean the same target (2,), (P,)."""
+    return np.asarray(np.hypot(*(points - target).T) < _SAME_TARGET)
 
 
 def _best_gap(memory: Memory, gaps: Points) -> Points | None:
@@ -143,9 +186,11 @@ def pursue(memory: Memory, robot: RobotSpec, params: Params) -> tuple[Memory, Ac
         done = stay.turned + step >= params.exploration.look_turn - 1e-9
         memory = memory.with_stay(turned=0.0 if done else stay.turned + step, looked=done)
         return memory, turn(step, robot)
-    if intent.kind == EXIT:
+    if intent.kind in (EXIT, CHECK):
         target = memory.exit(intent.exit)
         side = float(target.side_of(stay.place))
+        if intent.kind == CHECK:
+            return memory, drive_before(memory, target, side, robot, params)
         return memory, drive_through(memory, target, side, robot, params)
     return memory, drive_to(memory, intent.target, robot, params)
 
@@ -154,7 +199,7 @@ def give_up(memory: Memory) -> Memory:
     """Note that the present intent cannot be reached."""
     intent = memory.intent
     assert intent is not None, "only an intent can be given up"
-    if intent.kind == EXIT:
+    if intent.kind in (EXIT, CHECK):
         book = tuple(
             replace(e, failures=e.failures + 1) if e.id == intent.exit else e for e in memory.book
         )
@@ -169,8 +214,5 @@ def give_up(memory: Memory) -> Memory:
 
 
 def _without(memory: Memory, target: Points) -> Memory:
-    """The memory without the gaps and dim walls about this target (2,)."""
-    stay = memory.stay
-    far = np.hypot(*(stay.gaps - target).T) > 1.0
-    away = np.hypot(*(stay.dim.mean(axis=1) - target).T) > 1.0
-    return memory.with_stay(gaps=stay.gaps[far], dim=stay.dim[away])
+    """The memory with this target (2,) done."""
+    return memory.with_stay(done=np.concatenate((memory.stay.done, target[None])))

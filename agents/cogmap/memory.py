@@ -15,8 +15,9 @@ from cogmap_gym.geometry import NO_SEGMENTS, Points, Pose, Segments
 NO_POINTS: Points = np.zeros((0, 2))
 NO_POINTS.setflags(write=False)
 
-LOOK, SPOT, EXIT, GAP, MARK = "look", "spot", "exit", "gap", "mark"
-"""Kinds of intent: look round, go to a spot to look round, cross an exit, reach a gap or mark."""
+LOOK, SPOT, EXIT, CHECK, GAP, MARK = "look", "spot", "exit", "check", "gap", "mark"
+"""Kinds of intent: look round, go to a spot to look round, cross an exit, go before one seen once
+to see it again, reach a gap or a mark."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,6 +62,8 @@ class Stay:
     """(G, 2) in the MFIS: middles of gaps not yet explored."""
     dim: Segments = field(default_factory=lambda: NO_SEGMENTS)
     """(D, 2, 2) in the MFIS: walls seen too sparsely to show a door."""
+    done: Points = field(default_factory=lambda: NO_POINTS)
+    """(K, 2) in the MFIS: targets reached or given up in this stay."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -138,10 +138,11 @@ def normalise(
             u = (known[1] - known[0]) / span
             ends = (laid[i] - known[0]) @ u
             others = ((surfaces[rows[rows != j]] - known[0]) @ u).reshape(-1, 2)
-            low, high = _room_to_grow(others, span)
+            low, high = (-np.inf, np.inf) if params.literal else _room_to_grow(others, span)
             new = [max(min(ends[0], 0.0), low), min(max(ends[1], span), high)]
             for end, grown in ((0, -new[0]), (1, new[1] - span)):
-                if grown < (params.end_growth if physical[j, end] else params.min_growth):
+                least = params.end_growth if physical[j, end] else params.min_growth
+                if grown <= 0.0 or (grown < least and not params.literal):
                     new[end] = 0.0 if end == 0 else span
                 else:
                     reached = bool(new[end] == ends[end])

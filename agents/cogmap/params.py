@@ -242,6 +242,8 @@ class Exploration:
     """A look round turns by this much [rad]. Ours: with a view of 180 degrees it shows all."""
     standoff: float = 0.6
     """The robot lines up so far before an exit [m]. Ours: FINDINGS 2."""
+    lookout: float = 1.2
+    """An exit seen once is looked at from so far before it [m]. Ours: it is found best there."""
     through: float = 0.8
     """And aims so far beyond it [m]. Ours: past the 0.35 m of a crossing."""
     arrival: float = 0.4
