@@ -89,6 +89,17 @@ def remember_exits(
     return book
 
 
+def remember_passages(book: Book, lines: Segments, here: int, params: Exits) -> Book:
+    """Make exits of doorways (K, 2, 2) in the MFIS that the robot came through from ASR ``here``."""
+    for line in lines:
+        known = match_exit(book, line, params)
+        if known is None:
+            book = (*book, Exit(len(book) + 1, line, here, NOWHERE, params.min_sightings, -1))
+        elif not known.trusted(params) and known.side_of(here) != 0:
+            book = replace_exit(book, replace(known, sightings=params.min_sightings))
+    return book
+
+
 def match_exit(book: Book, line: Segments, params: Exits) -> Exit | None:
     """The known exit that this line (2, 2) in the MFIS shows again, if there is one."""
     d = line[1] - line[0]

@@ -175,6 +175,36 @@ class Exits:
 
 
 @dataclass(frozen=True, slots=True)
+class Passages:
+    """Doorways noticed by having gone through them."""
+
+    stretch: float = 3.5
+    """How much of the path is looked back at [m]. Ours: a move and a wall's thickness."""
+    spacing: float = 0.1
+    """From one spot on it to the next [m]. Ours: half a wall's thickness."""
+    band: float = 0.12
+    """Points so far before or behind a spot lie beside it [m]. Ours: half a wall's thickness."""
+    far: float = 1.8
+    """Points farther from the path do not matter [m]. Ours: a doorway and its walls."""
+    min_width: float = 0.5
+    """Narrowest passage [m]. Ours: the robot went through."""
+    max_width: float = 1.3
+    """Widest passage [m]. Thesis 3.3, 1.2 m, and noise."""
+    wide: float = 1.6
+    """The space before and behind is wider [m]. Ours: corridors are 2 m wide."""
+    wide_within: float = 0.7
+    """And is so within this of the passage [m]. Ours: a wall's thickness and a band."""
+    wall: float = 0.6
+    """A wall goes on so far beyond both jambs [m]. Ours: more than a chair."""
+    wall_share: float = 0.7
+    """Share of that which must be seen [1]. Ours: sparse beams."""
+    wall_band: float = 0.2
+    """Points so far beside its line are on the wall [m]. Ours: both faces of a wall."""
+    wall_slant: float = 0.3
+    """How that grows with the distance from the jamb [1]. Ours: doors met at a slant."""
+
+
+@dataclass(frozen=True, slots=True)
 class Association:
     """Recognising a known place on re-entry (thesis 4.2.2; FINDINGS 5)."""
 
@@ -432,6 +462,7 @@ class Params:
     frame: Frame = field(default_factory=Frame)
     transfer: Transfer = field(default_factory=Transfer)
     obstacles: Obstacles = field(default_factory=Obstacles)
+    passages: Passages = field(default_factory=Passages)
     exits: Exits = field(default_factory=Exits)
     association: Association = field(default_factory=Association)
     exploration: Exploration = field(default_factory=Exploration)

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 from agents.cogmap.association import Beams
 from agents.cogmap.bounded_space import Openings
 from agents.cogmap.curiosity import dim_walls, open_gaps
-from agents.cogmap.exits import remember_exits
+from agents.cogmap.exits import remember_exits, remember_passages
 from agents.cogmap.mapper import update
 from agents.cogmap.memory import Memory
 from agents.cogmap.mfis import UNTAGGED, Edit
 from agents.cogmap.obstacles import remember_obstacles
 from agents.cogmap.params import Params
+from agents.cogmap.passages import passages
 from agents.cogmap.places import seen_from
 from agents.cogmap.view import View
 from cogmap_gym.geometry import Pose
@@ -52,9 +53,12 @@ def perceive(
         found = pose.apply(seen.exits)
         book = remember_exits(book, found, memory.stay.place, pose, params.exits)
     here = np.array([[pose.x, pose.y]])
+    path = np.concatenate((memory.stay.path, here))
+    gone_through = passages(path, obstacles, params.passages)
+    book = remember_passages(book, gone_through, memory.stay.place, params.exits)
     stay = replace(
         memory.stay,
-        path=np.concatenate((memory.stay.path, here)),
+        path=path,
         beams=(*memory.stay.beams, _beams(view, pose))[-params.association.views :],
         views=memory.stay.views + 1,
         gaps=open_gaps(memory.stay.gaps, seen, view, pose, laser, book, params.curiosity),
