@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.cogmap.bounded_space import openings
+from agents.cogmap.bounded_space import Openings, openings
 from agents.cogmap.exploration import explore
 from agents.cogmap.journeys import travel
 from agents.cogmap.lines import extract_view
@@ -21,6 +21,7 @@ from agents.cogmap.perception import perceive
 from agents.cogmap.recognition import recognise_place
 from agents.cogmap.sketch import draw_sketch
 from agents.cogmap.view import View
+from agents.cogmap.wandering import wander
 from cogmap_gym.geometry import Pose
 from cogmap_gym.observation import LaserSpec, Observation, RobotSpec
 
@@ -54,19 +55,22 @@ class CogMapAgent:
             memory = leave(memory, memory.exit(crossed.id), self.params)  # 6, 7, 8
         memory = recognise_place(memory, self.params)  # closing the loop by association
         memory = _remember_mark(memory, int(observation["mark"]))
-        memory, action = self._decide(memory, view, int(observation["goal"]))  # 1
+        memory, action = self._decide(memory, view, seen, int(observation["goal"]))  # 1
         self.memory = memory
         self.edits.extend(edits)
         return action
 
-    def _decide(self, memory: Memory, view: View, goal: int) -> tuple[Memory, NDArray[np.float32]]:
+    def _decide(
+        self, memory: Memory, view: View, seen: Openings, goal: int
+    ) -> tuple[Memory, NDArray[np.float32]]:
         """Explore while there is no goal; else travel to the goal's mark."""
         mark = memory.mark(goal) if goal else None
-        if mark is None:
-            return explore(
-                replace(memory, route=None, status="exploring"), view, self.robot, self.params
-            )
-        return travel(memory, mark, view, self.robot, self.params)
+        if mark is not None:
+            return travel(memory, mark, view, self.robot, self.params)
+        memory = replace(memory, route=None, status="exploring")
+        if self.params.exploration.literal:
+            return memory, wander(memory, seen, self.robot, self.params)
+        return explore(memory, view, self.robot, self.params)
 
     def sketch(self) -> dict[str, Any]:
         """What the robot believes, JSON-able, in MFIS coordinates."""

@@ -12,6 +12,7 @@ from agents.cogmap.memory import MARK, Intent, Mark, Memory
 from agents.cogmap.params import Params
 from agents.cogmap.places import route
 from agents.cogmap.view import View
+from agents.cogmap.wandering import straight
 from cogmap_gym.observation import RobotSpec
 
 
@@ -31,6 +32,8 @@ def travel(
         params: all thresholds.
     """
     at = memory.pose.position
+    if params.journeys.literal:
+        return _beacon(memory, mark, view, robot, params)
     blocked = frozenset(e.id for e in memory.book if e.failures >= params.exploration.max_failures)
     way = route(memory.book, at, memory.stay.place, mark.point, mark.place, blocked)
     if way is None:
@@ -56,10 +59,12 @@ def travel(
 def _beacon(
     memory: Memory, mark: Mark, view: View, robot: RobotSpec, params: Params
 ) -> tuple[Memory, Action]:
-    """In the mark's place: straight towards it, and declare once there."""
+    """Straight towards the mark, and declare once there."""
     if float(np.hypot(*(mark.point - memory.pose.position))) < params.journeys.arrival:
         return replace(memory, intent=None, status=f"at mark {mark.id}"), robot.declare()
     memory = replace(memory, intent=Intent(MARK, mark.point))
+    if params.journeys.literal:
+        return memory, straight(memory, memory.pose.inverse().apply(mark.point), robot, params)
     action = drive_to(memory, mark.point, robot, params)
     if action is None:
         return explore(replace(memory, intent=None), view, robot, params)

@@ -202,6 +202,8 @@ class Passages:
     """Points so far beside its line are on the wall [m]. Ours: both faces of a wall."""
     wall_slant: float = 0.3
     """How that grows with the distance from the jamb [1]. Ours: doors met at a slant."""
+    literal: bool = False
+    """Never look back [1]. Thesis 3.3 knows exits from views alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -260,6 +262,10 @@ class Association:
     """A larger shift on recognition leaves a seam in the map [m]. Ours: below the last gate."""
     seam_turn: float = 0.02
     """A larger turn on recognition leaves a seam in the map [rad]. Ours: 0.1 m at 5 m."""
+    literal: bool = False
+    """Any surface may be named at any time; two names of a place make it known [1]. Thesis 4.2.2."""
+    literal_names: int = 2
+    """So many surfaces named [1]. Thesis 4.2.2: landmarks 22 and 8."""
     door_distance: float = 1.0
     """The crossed exit lies this near to the place's boundary [m]. Ours: FINDINGS 5."""
 
@@ -283,7 +289,9 @@ class Exploration:
     patience: int = 12
     """Steps after which a target not reached is given up [1]. Ours: three times the usual."""
     max_failures: int = 2
-    """An exit given up as often is left alone until seen again [1]. Ours: deadlocks."""
+    """An exit given up as often is left alone [1]. Ours: deadlocks."""
+    literal: bool = False
+    """Choose anew in each view, go straight, never look round [1]. Thesis 3.3, Algorithm 1."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -312,6 +320,8 @@ class Journeys:
     """The robot declares this near to where it remembers the mark [m]. Ours: within 1 m asked."""
     patience: int = 25
     """Steps after which an exit on the way is given up [1]. Ours: three times the usual."""
+    literal: bool = False
+    """Home is a beacon from anywhere [1]. Thesis 4.2.4."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -471,3 +481,20 @@ class Params:
     gaps: Gaps = field(default_factory=Gaps)
     navigation: Navigation = field(default_factory=Navigation)
     boundary: Boundary = field(default_factory=Boundary)
+
+    @classmethod
+    def literal(cls) -> Params:
+        """The text as written wherever text and default differ, so that each can be measured."""
+        return cls(
+            lines=Lines(literal=True),
+            landmarks=Landmarks(literal=True),
+            frame=Frame(kind="nearest"),
+            transfer=Transfer(literal=True),
+            passages=Passages(literal=True),
+            exits=Exits(min_sightings=1),
+            association=Association(literal=True),
+            exploration=Exploration(literal=True),
+            journeys=Journeys(literal=True),
+            gaps=Gaps(literal=True),
+            boundary=Boundary.literal(),
+        )

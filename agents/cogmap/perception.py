@@ -14,7 +14,7 @@ from agents.cogmap.curiosity import dim_walls, open_gaps
 from agents.cogmap.exits import remember_exits, remember_passages
 from agents.cogmap.mapper import update
 from agents.cogmap.memory import Memory
-from agents.cogmap.mfis import UNTAGGED, Edit
+from agents.cogmap.mfis import FORGOTTEN, UNTAGGED, Edit
 from agents.cogmap.obstacles import remember_obstacles
 from agents.cogmap.params import Params
 from agents.cogmap.passages import passages
@@ -45,7 +45,7 @@ def perceive(
     Returns:
         The new memory, and the edits made to the MFIS.
     """
-    mapping, edits = update(memory.mapping, view, odometry, params, _allowed(memory))
+    mapping, edits = update(memory.mapping, view, odometry, params, _allowed(memory, params))
     pose = mapping.mfis_from_robot
     obstacles = remember_obstacles(memory.obstacles, view.points, pose, laser, params.obstacles)
     book = memory.book
@@ -54,8 +54,9 @@ def perceive(
         book = remember_exits(book, found, memory.stay.place, pose, params.exits)
     here = np.array([[pose.x, pose.y]])
     path = np.concatenate((memory.stay.path, here))
-    gone_through = passages(path, obstacles, params.passages)
-    book = remember_passages(book, gone_through, memory.stay.place, params.exits)
+    if not params.passages.literal:
+        gone_through = passages(path, obstacles, params.passages)
+        book = remember_passages(book, gone_through, memory.stay.place, params.exits)
     stay = replace(
         memory.stay,
         path=path,
@@ -78,13 +79,16 @@ def perceive(
     )
 
 
-def _allowed(memory: Memory) -> NDArray[np.bool_]:
+def _allowed(memory: Memory, params: Params) -> NDArray[np.bool_]:
     """Which surfaces may be recognised here: those of this place and its neighbours, and untagged.
 
     Until the robot has found itself in a place, surfaces of known places would draw it to where it
     is not: there it recognises only what it has just seen (FINDINGS 5).
     """
     asr, stay = memory.mapping.mfis.asr, memory.stay
+    if params.association.literal:
+        return asr != FORGOTTEN
+    # Departs from Algorithm 5, step 5, which looks everywhere.
     places = {UNTAGGED, stay.came_from}
     if stay.settled:
         places = {UNTAGGED, stay.place} | seen_from(memory.book, stay.place)

@@ -19,7 +19,7 @@ from agents.cogmap.exits import (
     replace_exit,
 )
 from agents.cogmap.landmarks import find_landmarks
-from agents.cogmap.memory import Memory
+from agents.cogmap.memory import Mark, Memory
 from agents.cogmap.mfis import FORGOTTEN, MFIS, UNTAGGED, tag
 from agents.cogmap.params import Association, Params
 from cogmap_gym.geometry import Pose, segments_cross
@@ -34,6 +34,8 @@ def recognise_place(memory: Memory, params: Params, last_chance: bool = False) -
         last_chance: try now, since the place is about to be cut as a new ASR.
     """
     p, stay = params.association, memory.stay
+    if p.literal:
+        return _recognise_by_names(memory, params)
     if stay.settled or not stay.entry or not (last_chance or _due(stay.views, p)):
         return memory
     beams = _beams_inside(memory)
@@ -52,6 +54,20 @@ def recognise_place(memory: Memory, params: Params, last_chance: bool = False) -
     # A known place that cannot be confirmed is taken as it is believed to lie.
     late = stay.known and (last_chance or stay.views >= p.dense_views)
     return memory.with_stay(settled=True) if late else memory
+
+
+def _recognise_by_names(memory: Memory, params: Params) -> Memory:
+    """As written: landmarks that belong to an ASR say that the robot is in it (thesis 4.2.2)."""
+    stay, mapping = memory.stay, memory.mapping
+    if stay.known or not stay.entry:
+        return memory.with_stay(settled=True)
+    rows = np.unique(mapping.ids[mapping.ids > 0]) - 1
+    tags = mapping.mfis.asr[rows]
+    named = np.bincount(tags[tags > 0], minlength=1)
+    named[min(stay.came_from, len(named) - 1)] = 0
+    if named.max() < params.association.literal_names:
+        return memory
+    return _accept(memory, Hypothesis(int(named.argmax()), Pose(), 1.0, 0.0, 0.0), params)
 
 
 def _candidates(memory: Memory, p: Association) -> list[ASR]:
@@ -152,6 +168,7 @@ def _accept(memory: Memory, hypothesis: Hypothesis, params: Params) -> Memory:
         memory,
         mapping=mapping,
         obstacles=shift.apply(memory.obstacles),
+        marks=memory.marks if place == stay.place else _moved_marks(memory, hypothesis),
         book=book,
         stay=replace(
             stay,
@@ -166,6 +183,16 @@ def _accept(memory: Memory, hypothesis: Hypothesis, params: Params) -> Memory:
         ),
         intent=None,
         status=f"recognised {place}",
+    )
+
+
+def _moved_marks(memory: Memory, hypothesis: Hypothesis) -> tuple[Mark, ...]:
+    """The marks, those given in the provisional place now in the known one."""
+    return tuple(
+        replace(m, place=hypothesis.place, point=hypothesis.shift.apply(m.point))
+        if m.place == memory.stay.place
+        else m
+        for m in memory.marks
     )
 
 
