@@ -23,8 +23,15 @@ NOT_SCRIPTED = {"rollout", "ppo"}
 ROBOT_MAY_SHARE = {"agents.base"}
 PURE = {
     "geometry": {"numpy", "shapely"},
-    "raycast": {"numpy", "numba", "cogmap_gym.geometry", "cogmap_gym.raycast_kernel"},
+    "raycast": {
+        "numpy",
+        "numba",
+        "cogmap_gym.geometry",
+        "cogmap_gym.raycast_kernel",
+        "cogmap_gym.wall_cells",
+    },
     "raycast_kernel": {"numpy", "numba", "cogmap_gym.geometry"},
+    "wall_cells": {"numpy", "numba", "cogmap_gym.geometry", "cogmap_gym.raycast_kernel"},
 }
 SOURCED = re.compile(r"\[[^\[\]]+\]\. (Thesis \d+(\.\d+)*\b[^.]*|Ours: .+)\.$", re.DOTALL)
 TRUTH = re.compile(r"(^|_)(world|info)(_|$)")

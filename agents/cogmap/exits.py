@@ -90,7 +90,7 @@ def remember_exits(
 
 
 def remember_passages(book: Book, lines: Segments, here: int, params: Exits) -> Book:
-    """Make exits of doorways (K, 2, 2) in the MFIS that the robot came through from ASR ``here``."""
+    """Make exits of doorways (K, 2, 2) in the MFIS that were gone through from ASR ``here``."""
     for line in lines:
         known = match_exit(book, line, params)
         if known is None:
@@ -116,6 +116,13 @@ def match_exit(book: Book, line: Segments, params: Exits) -> Exit | None:
 def replace_exit(book: Book, changed: Exit) -> Book:
     """The book with one exit changed."""
     return (*book[: changed.id - 1], changed, *book[changed.id :])
+
+
+def try_again(book: Book, place: int) -> Book:
+    """The book with no failures held against the exits of a place."""
+    return tuple(
+        replace(e, failures=0) if e.failures and place in (e.left, e.right) else e for e in book
+    )
 
 
 def rename_place(book: Book, old: int, new: int) -> Book:

@@ -5,16 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from agents.cogmap.driving import Action, drive_before, drive_through, drive_to, turn
-from agents.cogmap.exits import Exit
+from agents.cogmap.exits import Exit, try_again
 from agents.cogmap.memory import CHECK, EXIT, GAP, LOOK, SPOT, Intent, Memory
 from agents.cogmap.params import Params
 from agents.cogmap.places import exits_of
 from agents.cogmap.view import View
 from cogmap_gym.geometry import Points
 from cogmap_gym.observation import RobotSpec
-
 
 _SAME_TARGET = 1.0
 
@@ -65,7 +65,7 @@ def _valid(memory: Memory, params: Params) -> Intent | None:
     if intent is None:
         return None
     if intent.kind == LOOK:
-        return None if stay.looked else intent
+        return None if stay.looked and stay.turned == 0.0 else intent
     if intent.kind == EXIT:
         target = memory.exit(intent.exit)
         usable = target.trusted(params.exits) and target.side_of(stay.place) != 0
@@ -102,8 +102,8 @@ def choose(memory: Memory, view: View, params: Params) -> Intent:
         return Intent(GAP, gap)
     if best is not None:
         return Intent(EXIT, best.middle, best.id)
-    if stay.entry:  # a dead end
-        entry = memory.exit(stay.entry)
+    if stay.entry and memory.exit(stay.entry).failures < params.exploration.max_failures:
+        entry = memory.exit(stay.entry)  # a dead end
         return Intent(EXIT, entry.middle, entry.id)
     return Intent(LOOK, at)
 
@@ -118,7 +118,9 @@ def _best_exit(memory: Memory, params: Params) -> Exit | None:
     options = [
         e
         for e in exits_of(memory.book, stay.place)
-        if e.trusted(params.exits) and e.id != stay.entry
+        if e.trusted(params.exits)
+        and e.id != stay.entry
+        and e.failures < params.exploration.max_failures
     ]
     if not options:
         return None
@@ -185,7 +187,7 @@ def pursue(memory: Memory, robot: RobotSpec, params: Params) -> tuple[Memory, Ac
         step = min(robot.max_turn, left)
         done = stay.turned + step >= params.exploration.look_turn - 1e-9
         memory = memory.with_stay(turned=0.0 if done else stay.turned + step, looked=done)
-        return memory, turn(step, robot)
+        return (_afresh(memory) if done else memory), turn(step, robot)
     if intent.kind in (EXIT, CHECK):
         target = memory.exit(intent.exit)
         side = float(target.side_of(stay.place))
@@ -193,6 +195,12 @@ def pursue(memory: Memory, robot: RobotSpec, params: Params) -> tuple[Memory, Ac
             return memory, drive_before(memory, target, side, robot, params)
         return memory, drive_through(memory, target, side, robot, params)
     return memory, drive_to(memory, intent.target, robot, params)
+
+
+def _afresh(memory: Memory) -> Memory:
+    """After a look round, what was given up here may be tried again."""
+    book = try_again(memory.book, memory.stay.place)
+    return replace(memory.with_stay(done=memory.stay.done[:0]), book=book)
 
 
 def give_up(memory: Memory) -> Memory:

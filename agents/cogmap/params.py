@@ -189,7 +189,7 @@ class Passages:
     min_width: float = 0.5
     """Narrowest passage [m]. Ours: the robot went through."""
     max_width: float = 1.3
-    """Widest passage [m]. Thesis 3.3, 1.2 m, and noise."""
+    """Widest passage [m]. Ours: 1.2 m (thesis 3.3) and noise."""
     wide: float = 1.6
     """The space before and behind is wider [m]. Ours: corridors are 2 m wide."""
     wide_within: float = 0.7
@@ -263,7 +263,7 @@ class Association:
     seam_turn: float = 0.02
     """A larger turn on recognition leaves a seam in the map [rad]. Ours: 0.1 m at 5 m."""
     literal: bool = False
-    """Any surface may be named at any time; two names of a place make it known [1]. Thesis 4.2.2."""
+    """Any surface may be named at any time; two names make a place known [1]. Thesis 4.2.2."""
     literal_names: int = 2
     """So many surfaces named [1]. Thesis 4.2.2: landmarks 22 and 8."""
     door_distance: float = 1.0

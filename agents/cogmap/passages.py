@@ -39,7 +39,7 @@ def passages(path: Points, obstacles: Points, params: Passages) -> Segments:
     for k in np.flatnonzero((width >= params.min_width) & (width <= params.max_width)):
         apart = np.linalg.norm(spots - spots[k], axis=1)
         around = apart < params.wide_within
-        if width[k] > width[around].min() or not _opens(width, apart, k, params):
+        if width[k] > width[around].min() or not _opens(width, apart, int(k), params):
             continue
         line = _jambs(spots[k], headings[k], near, params)
         if line is not None and _walled(line, near, params):

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from agents.cogmap.asr import ASR, compute_asr
-from agents.cogmap.exits import NOWHERE, Exit, crossed_exit, replace_exit
+from agents.cogmap.exits import NOWHERE, Exit, crossed_exit, replace_exit, try_again
 from agents.cogmap.memory import Memory, Stay
 from agents.cogmap.mfis import UNTAGGED, tag
 from agents.cogmap.params import Params
@@ -46,7 +46,7 @@ def leave(memory: Memory, crossed: Exit, params: Params) -> Memory:
     return replace(
         memory,
         network=network,
-        book=replace_exit(memory.book, entered),
+        book=try_again(replace_exit(memory.book, entered), ahead),
         stay=Stay(ahead, known, crossed.id, stay.place, step, memory.path[-1:, :2], looked=known),
         departures=(*departures, (stay.place, memory.travelled)),
         intent=None,

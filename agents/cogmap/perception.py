@@ -87,7 +87,7 @@ def _allowed(memory: Memory, params: Params) -> NDArray[np.bool_]:
     """
     asr, stay = memory.mapping.mfis.asr, memory.stay
     if params.association.literal:
-        return asr != FORGOTTEN
+        return np.asarray(asr != FORGOTTEN)
     # Departs from Algorithm 5, step 5, which looks everywhere.
     places = {UNTAGGED, stay.came_from}
     if stay.settled:
