@@ -194,8 +194,8 @@ class Passages:
     """The space before and behind is wider [m]. Ours: corridors are 2 m wide."""
     wide_within: float = 0.7
     """And is so within this of the passage [m]. Ours: a wall's thickness and a band."""
-    wall: float = 0.6
-    """A wall goes on so far beyond both jambs [m]. Ours: more than a chair."""
+    wall: float = 1.0
+    """A wall goes on so far beyond both jambs [m]. Ours: more than a pillar and a cupboard."""
     wall_share: float = 0.7
     """Share of that which must be seen [1]. Ours: sparse beams."""
     wall_band: float = 0.2
