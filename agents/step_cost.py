@@ -174,7 +174,7 @@ def _with_copy(memory: Memory, source: Memory, shift: Pose, most: int) -> Memory
     steps = {name: getattr(known, name) - source.mapping.step - 1 for name in _STEPS}
     whole = np.ones(len(known), dtype=np.bool_)
     copied = replace(known, asr=tags, entered=whole, **moved, **steps)
-    path = np.concatenate((source.path + (shift.x, shift.y, 0.0), memory.path))
+    path = np.concatenate((source.path + np.array((shift.x, shift.y, 0.0)), memory.path))
     return replace(
         memory,
         mapping=replace(memory.mapping, mfis=_joined(old, copied, most)),

@@ -67,7 +67,7 @@ class CogMapAgent:
         mark = memory.mark(goal) if goal else None
         if mark is not None:
             return travel(memory, mark, view, self.robot, self.params)
-        memory = replace(memory, route=None, status="exploring")
+        memory = replace(memory, route=None, journey=None, status="exploring")
         if self.params.exploration.literal:
             return memory, wander(memory, seen, self.robot, self.params)
         return explore(memory, view, self.robot, self.params)

@@ -81,6 +81,40 @@ def dim_walls(
     return dim
 
 
+def wall_pieces(surfaces: Segments, params: Curiosity) -> Segments:
+    """Surfaces (N, 2, 2) cut into pieces about as long as a door is wide, (P, 2, 2)."""
+    return _pieces(surfaces, params.piece)
+
+
+def not_yet_squarely(
+    pieces: Segments, view: View, pose: Pose, laser: LaserSpec, params: Curiosity
+) -> Segments:
+    """Pieces of wall that this view does not show squarely enough to see a door open in them.
+
+    Args:
+        pieces: (P, 2, 2) in the MFIS, free space on the left.
+        view: the view.
+        pose: ``mfis_from_robot``.
+        laser: the laser.
+        params: distances and angles.
+
+    Returns:
+        (Q, 2, 2) likewise.
+    """
+    if not len(pieces):
+        return pieces
+    seen = pose.inverse().apply(pieces)
+    middle = seen.mean(axis=1)
+    distance = np.hypot(middle[:, 0], middle[:, 1])
+    d = seen[:, 1] - seen[:, 0]
+    across = np.abs(d[:, 0] * middle[:, 1] - d[:, 1] * middle[:, 0])
+    sine = across / np.maximum(np.hypot(d[:, 0], d[:, 1]) * distance, 1e-9)
+    bearing = np.arctan2(middle[:, 1], middle[:, 0])
+    last = laser.first_angle + laser.step * (laser.beams - 1)
+    square = (sine > params.square_sine) & (distance < params.square_reach)
+    return pieces[~(square & (bearing > laser.first_angle) & (bearing < last))]
+
+
 def _pieces(surfaces: Segments, size: float) -> Segments:
     """Long surfaces cut into pieces of about ``size``, (P, 2, 2)."""
     counts = np.floor(lengths(surfaces) / size).astype(np.int64)

@@ -9,7 +9,7 @@ from agents.cogmap.exits import Exit
 from agents.cogmap.memory import Memory
 from agents.cogmap.navigator import plan_path, steer
 from agents.cogmap.params import Params
-from cogmap_gym.geometry import Points
+from cogmap_gym.geometry import Points, point_segment_distances
 from cogmap_gym.observation import RobotSpec
 
 Action = NDArray[np.float32]
@@ -45,6 +45,17 @@ def drive_through(
         if path is not None:
             path = np.concatenate((path, beyond[None]))
     return None if path is None else _move(memory, path, robot, params)
+
+
+def doorway_is_clear(memory: Memory, target: Exit, params: Params) -> bool:
+    """Whether nothing seen stands in the middle of an exit; True from too far away to tell."""
+    p = params.journeys
+    if float(np.hypot(*(target.middle - memory.pose.position))) > p.near_exit:
+        return True
+    reach = p.doorway_depth * target.normal
+    line = np.stack((target.middle - reach, target.middle + reach))[None]
+    gaps = point_segment_distances(memory.obstacles, line)
+    return bool(gaps.min(initial=np.inf) > p.doorway_free)
 
 
 def drive_before(

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.cogmap.params import Exits
-from cogmap_gym.geometry import Points, Pose, Segments, cross, segments_cross
+from cogmap_gym.geometry import NO_SEGMENTS, Points, Pose, Segments, cross, segments_cross
 
 NOWHERE = 0
 """The id of no ASR."""
@@ -104,13 +104,30 @@ def match_exit(book: Book, line: Segments, params: Exits) -> Exit | None:
     """The known exit that this line (2, 2) in the MFIS shows again, if there is one."""
     d = line[1] - line[0]
     best, least = None, params.same_distance
-    for known in book:
+    for known in _about(book, line, 2.0 * params.same_distance):
         e = known.line[1] - known.line[0]
         turn = abs(float(cross(d, e))) / float(np.hypot(*d) * np.hypot(*e))
         gap = float(np.hypot(*(known.middle - line.mean(axis=0))))
         if gap < least and turn < params.same_turn:
             best, least = known, gap
     return best
+
+
+def _lines(book: Book) -> Segments:
+    """The lines of the exits, (E, 2, 2)."""
+    return np.array([e.line for e in book]) if book else NO_SEGMENTS
+
+
+def _about(book: Book, points: Points, reach: float) -> list[Exit]:
+    """The exits whose bounds come within ``reach`` of those of some points (P, 2).
+
+    However many exits are known, only these are looked at closely.
+    """
+    lines = _lines(book)
+    a, b = lines[:, 0], lines[:, 1]
+    low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
+    near = (np.maximum(a, b) >= low).all(axis=1) & (np.minimum(a, b) <= high).all(axis=1)
+    return [book[k] for k in np.flatnonzero(near)]
 
 
 def replace_exit(book: Book, changed: Exit) -> Book:
@@ -147,7 +164,7 @@ def crossed_exit(book: Book, path: Points, params: Exits) -> Exit | None:
     if len(path) < 2:
         return None
     last: tuple[float, Exit] | None = None
-    for known in book:
+    for known in _about(book, path, 2.0 * params.slack):
         if not known.trusted(params):
             continue
         distance = float((path[-1] - known.middle) @ known.normal)
@@ -182,17 +199,15 @@ def seen_through_exit(
         points: (P, 2) in the MFIS.
         beside: an exit covers this much more than itself at both ends [m].
     """
-    out = np.zeros(len(points), dtype=np.bool_)
-    for e in book:
-        if e.sightings == 0 or e.left == e.right:
-            continue
-        d = e.line[1] - e.line[0]
-        wide = d / np.hypot(d[0], d[1]) * beside
-        line = np.stack((e.line[0] - wide, e.line[1] + wide))[None]
-        sights = np.stack((np.broadcast_to(robot, points.shape), points), axis=1)
-        out |= segments_cross(sights, line)[:, 0]
-        out |= np.hypot(*(points - e.middle).T) < 0.5 * np.hypot(d[0], d[1]) + beside
-    return out
+    lines = _lines(tuple(e for e in book if e.sightings > 0 and e.left != e.right))
+    d = lines[:, 1] - lines[:, 0]
+    width = np.hypot(d[:, 0], d[:, 1])
+    wide = d / width[:, None] * beside
+    covers = np.stack((lines[:, 0] - wide, lines[:, 1] + wide), axis=1)
+    sights = np.stack((np.broadcast_to(robot, points.shape), points), axis=1)
+    gap = points[:, None] - lines.mean(axis=1)
+    inside = np.hypot(gap[..., 0], gap[..., 1]) < 0.5 * width + beside
+    return np.asarray((segments_cross(sights, covers) | inside).any(axis=1))
 
 
 def _through_another(book: Book, robot: Points, middle: Points, params: Exits) -> bool:
@@ -203,7 +218,7 @@ def _through_another(book: Book, robot: Points, middle: Points, params: Exits) -
         and float(np.hypot(*(e.middle - middle))) > params.same_distance
         and float(np.hypot(*(e.middle - robot))) > params.beyond
         and len(_meetings(sight, e, params)) > 0
-        for e in book
+        for e in _about(book, sight, 2.0 * params.slack)
     )
 
 

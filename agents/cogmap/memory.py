@@ -64,6 +64,10 @@ class Stay:
     """(D, 2, 2) in the MFIS: walls seen too sparsely to show a door."""
     done: Points = field(default_factory=lambda: NO_POINTS)
     """(K, 2) in the MFIS: targets reached or given up in this stay."""
+    search: Segments = field(default_factory=lambda: NO_SEGMENTS)
+    """(S, 2, 2) in the MFIS: walls still to be looked at squarely for new exits."""
+    searching: int = -1
+    """Steps spent on looking for new exits here; -1 before it began."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,6 +78,18 @@ class Mark:
     place: int
     point: Points
     """(2,) in the MFIS."""
+
+
+@dataclass(frozen=True, slots=True)
+class Journey:
+    """The way to a mark, and what was learned on it."""
+
+    mark: int
+    """Id of the mark."""
+    blocked: frozenset[int] = frozenset()
+    """Exits found shut or out of reach since it began."""
+    searched: frozenset[int] = frozenset()
+    """Places searched for another way since it began."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,6 +113,8 @@ class Memory:
     route: tuple[int, ...] | None
     """Exits still to cross on a journey."""
     status: str
+    journey: Journey | None = None
+    """The present journey, or None while exploring."""
 
     @property
     def pose(self) -> Pose:

@@ -308,6 +308,14 @@ class Curiosity:
     """Walls are judged by pieces of this length [m]. Ours: about a door."""
     beside_exit: float = 0.3
     """Sights this far beside an exit still go through it [m]. Ours: jambs and noise."""
+    square_sine: float = 0.5
+    """A wall is seen squarely up to 60 degrees from its normal [1]. Ours: 95 % of doors found."""
+    square_reach: float = 5.0
+    """And from within this [m]. Ours: 95 % of doors found."""
+    search_step: float = 1.2
+    """Longest drive of a robot that looks for exits [m]. Ours: two sights of each door."""
+    search_steps: int = 60
+    """Steps after which the search of a place ends [1]. Ours: a corridor of 30 m and back."""
     stand: float = 0.8
     """A wall is looked at from so far before it [m]. Ours: the middle of a corridor."""
 
@@ -320,6 +328,12 @@ class Journeys:
     """The robot declares this near to where it remembers the mark [m]. Ours: within 1 m asked."""
     patience: int = 25
     """Steps after which an exit on the way is given up [1]. Ours: three times the usual."""
+    near_exit: float = 3.0
+    """Whether an exit is shut is judged from within this [m]. Ours: its line is exact to 0.1 m."""
+    doorway_depth: float = 0.35
+    """What is looked at before and behind its line [m]. Ours: over a wall's thickness."""
+    doorway_free: float = 0.15
+    """Free space on both sides of its middle that keeps it open [m]. Ours: half a narrow door."""
     literal: bool = False
     """Home is a beacon from anywhere [1]. Thesis 4.2.4."""
 

@@ -31,9 +31,7 @@ def passages(path: Points, obstacles: Points, params: Passages) -> Segments:
     if not len(spots):
         return NO_SEGMENTS
     stretch = np.stack((spots[:-1], spots[1:]), axis=1)
-    near = obstacles[
-        point_segment_distances(obstacles, stretch).min(axis=1, initial=np.inf) < params.far
-    ]
+    near = _within(obstacles, stretch, params.far)
     width = np.array([_width(p, h, near, params) for p, h in zip(spots, headings, strict=True)])
     found: list[Segments] = []
     for k in np.flatnonzero((width >= params.min_width) & (width <= params.max_width)):
@@ -45,6 +43,16 @@ def passages(path: Points, obstacles: Points, params: Passages) -> Segments:
         if line is not None and _walled(line, near, params):
             found.append(line)
     return np.stack(found[:1]) if found else NO_SEGMENTS
+
+
+def _within(points: Points, stretch: Segments, far: float) -> Points:
+    """The points (Q, 2) less than ``far`` from a stretch of path."""
+    if not len(stretch):
+        return points[:0]
+    low, high = stretch.min(axis=(0, 1)) - far, stretch.max(axis=(0, 1)) + far
+    boxed = (points >= low) & (points <= high)
+    points = points[boxed[:, 0] & boxed[:, 1]]
+    return points[point_segment_distances(points, stretch).min(axis=1) < far]
 
 
 def _stations(path: Points, params: Passages) -> tuple[Points, Floats]:

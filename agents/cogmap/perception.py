@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from agents.cogmap.association import Beams
 from agents.cogmap.bounded_space import Openings
-from agents.cogmap.curiosity import dim_walls, open_gaps
+from agents.cogmap.curiosity import dim_walls, not_yet_squarely, open_gaps
 from agents.cogmap.exits import remember_exits, remember_passages
 from agents.cogmap.mapper import update
 from agents.cogmap.memory import Memory
@@ -63,6 +63,7 @@ def perceive(
         beams=(*memory.stay.beams, _beams(view, pose))[-params.association.views :],
         views=memory.stay.views + 1,
         gaps=open_gaps(memory.stay.gaps, seen, view, pose, laser, book, params.curiosity),
+        search=not_yet_squarely(memory.stay.search, view, pose, laser, params.curiosity),
         dim=dim_walls(memory.stay.dim, view, pose, laser, book, params.curiosity),
     )
     return (

@@ -33,6 +33,16 @@ class Network:
         return Network(tuple(sorted((*rest, asr), key=lambda a: a.id)), self.last_id)
 
 
+@dataclass(frozen=True, slots=True)
+class Route:
+    """A way over known links."""
+
+    exits: tuple[int, ...]
+    """Ids of the exits to cross, in order."""
+    length: float
+    """Metres, from spot to spot in straight lines."""
+
+
 def links(book: Book) -> list[tuple[int, int, int]]:
     """(asr, exit, asr) of every exit that was crossed, in order of exit id."""
     return [
@@ -55,8 +65,8 @@ def exits_of(book: Book, asr: int) -> list[Exit]:
 
 def route(
     book: Book, start: Points, here: int, goal: Points, goal_asr: int, hidden: frozenset[int]
-) -> list[int] | None:
-    """The shortest way over known links, exit by exit.
+) -> Route | None:
+    """The shortest way over known links, exit by exit, and its length [m].
 
     Args:
         book: all exits; those crossed before are the links.
@@ -67,7 +77,7 @@ def route(
         hidden: ids of exits not to use.
 
     Returns:
-        Ids of the exits to cross, in order; empty when it is there already; None without a way.
+        The exits to cross, none when it is there already; None without a way.
     """
     graph: nx.Graph[str | int] = nx.Graph()
     known = [e for e in book if e.crossed >= 0 and e.id not in hidden and e.left != e.right]
@@ -84,7 +94,7 @@ def route(
                 if not graph.has_edge(a, b) or graph[a][b]["weight"] > length:
                     graph.add_edge(a, b, weight=length)
     try:
-        way = nx.dijkstra_path(graph, "start", "goal")
+        length, way = nx.single_source_dijkstra(graph, "start", "goal")
     except (nx.NetworkXNoPath, nx.NodeNotFound):
         return None
-    return [n for n in way if isinstance(n, int)]
+    return Route(tuple(n for n in way if isinstance(n, int)), float(length))

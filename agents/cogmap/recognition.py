@@ -98,7 +98,11 @@ def _reachable(memory: Memory, asr: ASR, p: Association) -> bool:
     if not asr.closed:
         return False
     drift = min(p.base_shift + p.shift_per_metre * memory.since_left(asr.id), p.max_shift)
-    door = shapely.Point(memory.exit(memory.stay.entry).middle)
+    middle = memory.exit(memory.stay.entry).middle
+    beyond = np.maximum(asr.boundary.min(axis=0) - middle, middle - asr.boundary.max(axis=0))
+    if beyond.max() > drift + p.door_distance:
+        return False  # the bounds alone say so
+    door = shapely.Point(middle)
     edge = shapely.Polygon(asr.boundary).exterior
     return bool(shapely.distance(edge, door) <= drift + p.door_distance)
 
