@@ -75,7 +75,7 @@ def step_costs(env: gym.Env[Any, Any], rounds: int, seed: int) -> list[dict[str,
 
     Returns:
         A row each: ``robot``, ``surfaces``, ``steps``, ``median_ms``, ``p95_ms``, and ``ratio``
-        of the median to that with the small map.
+        of the median to that with the small map, None for the whole run.
     """
     steps, agent = record(env, seed), CogMapAgent()
     chosen = [s for s in steps if abs(s.surfaces - SMALL) <= SPREAD * SMALL]
@@ -92,14 +92,14 @@ def step_costs(env: gym.Env[Any, Any], rounds: int, seed: int) -> list[dict[str,
     ]  # fmt: skip
 
 
-def _row(name: str, surfaces: str, seconds: Floats, small: Floats) -> dict[str, Any]:
+def _row(name: str, surfaces: str, seconds: Floats, small: Floats | None) -> dict[str, Any]:
     return {
         "robot": name,
         "surfaces": surfaces,
         "steps": len(seconds),
         "median_ms": 1e3 * float(np.median(seconds)),
         "p95_ms": 1e3 * float(np.quantile(seconds, 0.95)),
-        "ratio": float(np.median(seconds) / np.median(small)),
+        "ratio": None if small is None else float(np.median(seconds) / np.median(small)),
     }
 
 
@@ -169,11 +169,13 @@ def _with_copy(memory: Memory, source: Memory, shift: Pose, most: int) -> Memory
     ]
     book = [_moved_exit(e, shift, exits, places) for e in source.book]
     tags = np.where(known.asr > 0, known.asr + places, known.asr)
-    moved = {name: shift.apply(getattr(known, name)) for name in _IN_MFIS}
+    moved: dict[str, Any] = {name: shift.apply(getattr(known, name)) for name in _IN_MFIS}
     # The copies were mapped long before the run, and nothing of them is in view.
-    steps = {name: getattr(known, name) - source.mapping.step - 1 for name in _STEPS}
-    whole = np.ones(len(known), dtype=np.bool_)
-    copied = replace(known, asr=tags, entered=whole, **moved, **steps)
+    earlier: dict[str, Any] = {
+        name: getattr(known, name) - source.mapping.step - 1 for name in _STEPS
+    }
+    changes: dict[str, Any] = {"asr": tags, "entered": np.ones(len(known), np.bool_)}
+    copied = replace(known, **changes, **moved, **earlier)
     path = np.concatenate((source.path + np.array((shift.x, shift.y, 0.0)), memory.path))
     return replace(
         memory,

@@ -80,8 +80,9 @@ class FloorPlan:
         """The plan that ``source`` stands for.
 
         Args:
-            source: a name under ``maps/`` such as ``"thesis_office"``, the path of a YAML
-                plan, the mapping of a plan, or a plan, which is returned as it is.
+            source: a name under ``maps/`` such as ``"thesis_office"``, the path of a YAML plan,
+                ``"office:SEED"`` for a generated one, the mapping of a plan, or a plan,
+                which is returned as it is.
 
         Raises:
             ValueError: no such plan, or one that breaks the format; names file, key, value.
@@ -90,8 +91,7 @@ class FloorPlan:
             return source
         if isinstance(source, Mapping):
             return FloorPlan.from_mapping(source)
-        path = plan_file.find(source)
-        return FloorPlan.from_mapping(plan_file.read(path), str(path))
+        return FloorPlan.from_mapping(*plan_file.mapping_of(source))
 
     @staticmethod
     def from_mapping(mapping: Mapping[str, Any], origin: str = "mapping") -> FloorPlan:

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import shapely
-from shapely.geometry import MultiLineString, MultiPolygon, Point, Polygon
+from shapely.geometry import MultiLineString, Point, Polygon
 from shapely.geometry.polygon import orient
 from shapely.ops import polylabel, unary_union
 
@@ -50,6 +50,8 @@ FARTHEST = 50.0
 """Largest shift of an office along x and y [m]."""
 EXACT = 9
 """Decimals of a coordinate once turned [-]: 1 nm, so that rooms still meet at doors."""
+STRAIGHT_M2 = 1e-7
+"""A ring goes straight on at a point where it and its neighbours span less than this [m^2]."""
 DRAWS = 500
 """An office is given up after this many draws; about one in two serves [-]."""
 _NAME = re.compile(r"office:(\d{1,6})(?::([a-z]+))?")
@@ -148,7 +150,8 @@ def _middle(floor: Polygon) -> Points:
     point = floor.centroid
     if not floor.covers(point) or floor.exterior.distance(point) < CENTRED_M:
         point = polylabel(floor, LABEL_M)
-    return np.round(shapely.get_coordinates(point)[0], DECIMALS)
+    middle: Points = np.round(shapely.get_coordinates(point)[0], DECIMALS)
+    return middle
 
 
 def _is_sound(draft: _Draft) -> bool:
@@ -170,7 +173,8 @@ def _is_sound(draft: _Draft) -> bool:
 def _turned(draft: _Draft, name: str, rng: Rng) -> dict[str, Any]:
     """The mapping of a plan, the draft turned and shifted by chance."""
     heading, degrees = rng.uniform(-math.pi, math.pi), float(np.round(rng.uniform(-180, 180), 1))
-    pose = Pose(*rng.uniform(-FARTHEST, FARTHEST, 2).tolist(), float(heading))
+    x, y = map(float, rng.uniform(-FARTHEST, FARTHEST, 2))
+    pose = Pose(x, y, float(heading))
 
     def moved(points: Points) -> list[Any]:
         return np.round(pose.apply(points), EXACT).tolist()  # type: ignore[no-any-return]
@@ -192,10 +196,11 @@ def _turned(draft: _Draft, name: str, rng: Rng) -> dict[str, Any]:
 
 def _corners(ring: shapely.LinearRing) -> Points:
     """The points of a ring at which it turns, shape (K, 2), the first not repeated [m]."""
-    points = shapely.get_coordinates(ring)[:-1]
+    points: Points = shapely.get_coordinates(ring)[:-1]
     before, after = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
     turns = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    return points[np.abs(turns) > 10.0**-DECIMALS * 1e-3]
+    corners: Points = points[np.abs(turns) > STRAIGHT_M2]
+    return corners
 
 
 def _closed(points: Points) -> Points:

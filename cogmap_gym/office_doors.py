@@ -75,7 +75,8 @@ class Doorway:
     def _across(self, at: float) -> Points:
         along = np.array((-self.normal[1], self.normal[0])) * self.width / 2.0
         middle = self.middle + at * self.wall * self.normal
-        return np.round(np.stack((middle - along, middle + along)), DECIMALS)
+        ends: Segments = np.round(np.stack((middle - along, middle + along)), DECIMALS)
+        return ends
 
 
 def doorways(
@@ -109,7 +110,8 @@ def doorways(
 
 
 Walls = dict[tuple[int, int], list[Segments]]
-"""By pair of spaces, the straight walls between them that are long enough for a door."""
+"""By pair of spaces, the straight walls between them that are long enough for a door, each
+(2, 2) with the second space on its left [m]."""
 
 
 def _shared_walls(spaces: Sequence[Space], wall: float) -> Walls:
@@ -120,11 +122,19 @@ def _shared_walls(spaces: Sequence[Space], wall: float) -> Walls:
         merged = shapely.get_parts(shapely.line_merge(shapely.union_all(parts)))
         pieces = [shapely.get_coordinates(shapely.simplify(line, 0.0)) for line in merged]
         straight = [piece[k : k + 2] for piece in pieces for k in range(len(piece) - 1)]
+        straight = [_directed(ends, spaces[b].outline) for ends in straight]
         room = WIDTHS[0] + 2.0 * (JAMB + wall / 2.0)
         wide = [ends for ends in straight if math.dist(*ends) >= room]
         if wide:
             shared[a, b] = wide
     return shared
+
+
+def _directed(ends: Segments, left: Polygon) -> Segments:
+    """The ends of a straight wall in such an order that ``left`` is on its left."""
+    along = (ends[1] - ends[0]) / math.dist(*ends)
+    beside = ends.mean(axis=0) + JAMB * np.array((-along[1], along[0]))
+    return ends if shapely.contains_xy(left, *beside) else ends[::-1]
 
 
 def _drawn(
@@ -143,9 +153,7 @@ def _drawn(
     return door if min(gaps, default=APART) >= APART else None
 
 
-def _tree(
-    walls: Walls, spaces: Sequence[Space], wall: float, rng: Rng
-) -> list[Doorway] | None:
+def _tree(walls: Walls, spaces: Sequence[Space], wall: float, rng: Rng) -> list[Doorway] | None:
     """Doors that join all spaces, and every corridor to all corridors beside it."""
     graph: nx.Graph[int] = nx.empty_graph(len(spaces))
     doors: list[Doorway] = []
@@ -185,7 +193,7 @@ def _savers(
 
 def _gain(door: Doorway, doors: Sequence[Doorway]) -> float:
     """About how long the way from one side of a shut door to the other is [m]."""
-    graph: nx.Graph[tuple[int, int]] = nx.Graph()
+    graph: nx.Graph[int] = nx.Graph()
     ends = [replace(door, sides=(side, -1)) for side in door.sides]
     stops = [*doors, *ends]
     for i, j in combinations(range(len(stops)), 2):

@@ -101,9 +101,7 @@ def _kind(rng: Rng, is_corridor: bool, is_solid: bool) -> tuple[Range, Range]:
     return LOCKER if is_corridor else (DESK, CUPBOARD, SHELF)[int(rng.integers(3))]
 
 
-def _beside_wall(
-    scene: Scene, size: tuple[Range, Range], rng: Rng
-) -> tuple[Polygon, Polygon]:
+def _beside_wall(scene: Scene, size: tuple[Range, Range], rng: Rng) -> tuple[Polygon, Polygon]:
     """A piece flush with a wall, and the same reaching into the wall."""
     spans = scene.faces[:, 1] - scene.faces[:, 0]
     long = np.hypot(*spans.T)

@@ -14,6 +14,7 @@ from typing import Any
 
 import yaml
 
+from cogmap_gym import generator
 from cogmap_gym.plan_schema import KEYS, shown
 
 MAX_BYTES = 32 * 1024 * 1024
@@ -47,6 +48,18 @@ def map_names() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in maps_folder().glob("*.yaml")))
 
 
+def mapping_of(source: str | Path) -> tuple[Mapping[str, Any], str]:
+    """The mapping that a packaged name, a path or ``"office:SEED"`` stands for, and its origin.
+
+    Raises:
+        ValueError: no such plan, or a file that is none.
+    """
+    if isinstance(source, str) and generator.is_office(source):
+        return generator.office(source), source
+    path = find(source)
+    return read(path), str(path)
+
+
 def find(source: str | Path) -> Path:
     """The file that a packaged name or a path stands for.
 
@@ -56,7 +69,9 @@ def find(source: str | Path) -> Path:
     if str(source) in map_names():
         return maps_folder() / f"{source}.yaml"
     if not _is_file(Path(source)):
-        raise ValueError(f"map: expected a file or one of {map_names()}, got {str(source)!r}")
+        raise ValueError(
+            f"map: expected a file or one of {map_names()} or office:SEED, got {str(source)!r}"
+        )
     return Path(source)
 
 

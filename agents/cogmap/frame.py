@@ -48,6 +48,7 @@ def consensus(
     prior_sd: tuple[float, float],
     start: Pose,
     params: Frame,
+    softness: float = 0.0,
 ) -> Pose:
     """The pose that best lays all landmarks of the step on their MFIS lines.
 
@@ -63,6 +64,8 @@ def consensus(
         prior_sd: standard deviations of that prediction, metres and radians.
         start: where the search begins; the landmarks were found under it.
         params: weights.
+        softness: added to every standard deviation [m]; from far away the sharp weights alone
+            would hold to whatever happens to lie near.
 
     Returns:
         ``mfis_from_robot``.
@@ -72,6 +75,7 @@ def consensus(
     x0 = np.array((start.x, start.y, start.theta))
     prior = np.array((predicted.x, predicted.y, predicted.theta))
     prior[2] = start.theta + math.remainder(predicted.theta - start.theta, math.tau)
+    sd = np.hypot(sd, softness)
     x = _solve(p, q, n, sd, x0, prior, np.array(prior_sd), params.outlier, params.iterations)
     return Pose(float(x[0]), float(x[1]), math.remainder(float(x[2]), math.tau))
 

@@ -14,7 +14,7 @@ from agents.cogmap.landmarks import compare, find_landmarks
 from agents.cogmap.mfis import MFIS
 from agents.cogmap.params import Frame, Landmarks, Params
 from agents.cogmap.view import View
-from cogmap_gym.geometry import Points, Pose, Segments, midpoints
+from cogmap_gym.geometry import Points, Pose, Segments, cross, midpoints
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -85,7 +85,9 @@ def _settle(search: Search, start: Pose, params: Params) -> tuple[Pose, float]:
         pool = search.recent if k == 0 else search.allowed
         pairs = _pairs(search, pool, pose, offset, turn, params)
         if len(pairs):
-            pose = consensus(search.view, search.mfis, pairs, prior, search.prior_sd, pose, p)
+            soft = p.softness * offset if k + 1 < len(p.offset_gates) else 0.0
+            args = (search.view, search.mfis, pairs, prior, search.prior_sd)
+            pose = consensus(*args, pose, p, soft)
     return pose, _share(search, search.allowed, pose, p)
 
 
@@ -102,12 +104,23 @@ def _pairs(
     rows = np.flatnonzero(pool & near(mfis, view, pose, params.frame.near))
     if len(rows) == 0 or len(view.surfaces) == 0:
         return NO_PAIRS
-    compared = compare(pose.apply(view.surfaces), mfis.surfaces[rows], p)
-    off, angle = np.abs(compared.offset), np.abs(compared.turn)
+    laid, known = pose.apply(view.surfaces), mfis.surfaces[rows]
+    compared = compare(laid, known, p)
+    # A wrong heading swings a far wall far off; its distance from the robot stays.
+    swing = _from_robot(laid, pose)[:, None] - _from_robot(known, pose)[None]
+    off = np.minimum(np.abs(compared.offset), np.abs(swing))
+    angle = np.abs(compared.turn)
     good = (compared.hits > 0) & (compared.overlap > 0.0) & (off < offset) & (angle < turn)
     i, j = np.nonzero(good)
     order = np.lexsort(((off / offset + angle / turn)[i, j], i))
     return np.stack((i[order], rows[j[order]]), axis=-1)
+
+
+def _from_robot(segments: Segments, pose: Pose) -> Floats:
+    """How far the robot stands to the left of each segment's line [m], (N,)."""
+    d = segments[:, 1] - segments[:, 0]
+    size = np.maximum(np.hypot(d[:, 0], d[:, 1]), 1e-9)
+    return np.asarray(cross(d, pose.position - segments[:, 0]) / size)
 
 
 def near(mfis: MFIS, view: View, pose: Pose, margin: float) -> Bools:

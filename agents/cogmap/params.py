@@ -68,6 +68,8 @@ class Frame:
     """Landmarks are looked for first among surfaces seen in as many views [1]. Ours: FINDINGS 8."""
     offset_gates: tuple[float, ...] = (0.6, 0.35, 0.15)
     """Largest distance of a landmark from its surface, round by round [m]. Ours: FINDINGS 8."""
+    softness: float = 0.3
+    """Share of the gate added to the sds in all rounds but the last [1]. Ours: local minima."""
     turn_gates: tuple[float, ...] = (0.26, 0.14, 0.09)
     """Largest turn of a landmark, round by round [rad]. Ours: FINDINGS 8."""
     near: float = 1.0

@@ -10,14 +10,7 @@ from numpy.typing import NDArray
 
 from agents.cogmap.asr import ASR
 from agents.cogmap.association import Beams, Hypothesis, best_hypothesis
-from agents.cogmap.exits import (
-    NOWHERE,
-    Book,
-    Exit,
-    match_exit,
-    rename_place,
-    replace_exit,
-)
+from agents.cogmap.exits import NOWHERE, Book, Exit, match_exit, rename_place, replace_exit
 from agents.cogmap.landmarks import find_landmarks
 from agents.cogmap.memory import Mark, Memory
 from agents.cogmap.mfis import FORGOTTEN, MFIS, UNTAGGED, tag
