@@ -85,7 +85,7 @@ def step_costs(env: gym.Env[Any, Any], rounds: int, seed: int) -> list[dict[str,
     small_s, large_s = np.median(np.array(taken), axis=0)
     all_s = np.array([s.seconds for s in steps])
     return [
-        _row("every step of the run", f"0 to {steps[-1].surfaces}", all_s, small_s),
+        _row("every step of the run", f"0 to {steps[-1].surfaces}", all_s, None),
         _row("its steps at about 100", f"{chosen[0].surfaces} to {chosen[-1].surfaces}",
              small_s, small_s),
         _row("the same, map enlarged", f"{LARGE}", large_s, small_s),

@@ -38,6 +38,9 @@ CLEAR_M = 0.36
 """Every way leaves room for a disc of this radius [m]: the robot's 0.25 and a margin."""
 TIGHT_M = 0.24
 """Where a disc of this radius passes, one of ``CLEAR_M`` does [m]."""
+NOOK_M2 = 0.04
+"""Of what the first disc sweeps, no part larger than this [m^2] is lost to the other: in the
+corner of a room that is 0.01."""
 HOME_M = 0.5
 """Home has at least this to all sides [m]."""
 CENTRED_M = 1.0
@@ -165,9 +168,15 @@ def _is_sound(draft: _Draft) -> bool:
     return bool(
         roomy.geom_type == tight.geom_type == first.geom_type == "Polygon"
         and len(roomy.interiors) == len(tight.interiors)
+        and _largest(tight.buffer(TIGHT_M).difference(roomy.buffer(CLEAR_M + LEAF_M))) < NOOK_M2
         and all(floor.intersection(first).area > HOME_M for floor in draft.rooms.values())
         and free.boundary.distance(Point(draft.home)) >= HOME_M
     )
+
+
+def _largest(area: shapely.Geometry) -> float:
+    """Area of the largest part [m^2]."""
+    return max((float(part.area) for part in shapely.get_parts(area)), default=0.0)
 
 
 def _turned(draft: _Draft, name: str, rng: Rng) -> dict[str, Any]:

@@ -75,8 +75,8 @@ class Doorway:
     def _across(self, at: float) -> Points:
         along = np.array((-self.normal[1], self.normal[0])) * self.width / 2.0
         middle = self.middle + at * self.wall * self.normal
-        ends: Segments = np.round(np.stack((middle - along, middle + along)), DECIMALS)
-        return ends
+        ends = np.stack((middle - along, middle + along))
+        return np.asarray(np.round(ends, DECIMALS), dtype=np.float64)
 
 
 def doorways(
@@ -123,8 +123,8 @@ def _shared_walls(spaces: Sequence[Space], wall: float) -> Walls:
         pieces = [shapely.get_coordinates(shapely.simplify(line, 0.0)) for line in merged]
         straight = [piece[k : k + 2] for piece in pieces for k in range(len(piece) - 1)]
         straight = [_directed(ends, spaces[b].outline) for ends in straight]
-        room = WIDTHS[0] + 2.0 * (JAMB + wall / 2.0)
-        wide = [ends for ends in straight if math.dist(*ends) >= room]
+        needed = WIDTHS[0] + 2.0 * (JAMB + wall / 2.0)
+        wide = [ends for ends in straight if math.dist(*ends) >= needed]
         if wide:
             shared[a, b] = wide
     return shared
@@ -144,9 +144,10 @@ def _drawn(
     start, end = walls[pair][int(rng.integers(len(walls[pair])))]
     length = math.dist(start, end)
     margin = JAMB + wall / 2.0
-    fitting = [width for width in WIDTHS if width <= length - 2.0 * margin + 1e-9]
+    fitting = [width for width in WIDTHS if width <= length - 2.0 * margin] or [WIDTHS[0]]
     width = float(rng.choice(fitting))
-    at = float(np.round(rng.uniform(margin + width / 2.0, length - margin - width / 2.0), 2))
+    first = margin + width / 2.0
+    at = float(np.round(rng.uniform(first, max(first, length - first)), 2))
     along = (end - start) / length
     door = Doorway(pair, start + at * along, np.array((-along[1], along[0])), width, wall)
     gaps = [door.opening.distance(other.opening) for other in taken]

@@ -115,8 +115,9 @@ def _beside_wall(scene: Scene, size: tuple[Range, Range], rng: Rng) -> tuple[Pol
         at = 0.0 if rng.random() < 0.5 else spare
     start = scene.faces[k, 0] + at * along
     end = start + length * along
-    # At a corner the piece touches a second wall, into which it reaches as well.
-    low, high = (INTO_WALL if at == edge else 0.0 for edge in (0.0, spare))
+    # In a corner of the room the piece reaches into a second wall as well.
+    inner = [spans[k - 1] @ inward < 0.0, spans[(k + 1) % len(spans)] @ inward > 0.0]
+    low, high = (INTO_WALL * (at == edge and inner[n]) for n, edge in enumerate((0.0, spare)))
     piece = _quad(start, end, depth * inward)
     back = INTO_WALL * inward
     deep = _quad(start - low * along - back, end + high * along - back, depth * inward + back)

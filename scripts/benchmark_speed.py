@@ -1,9 +1,9 @@
 """Measure the speed of the laser against the naive way, and of the robot, in one run.
 
 The naive laser asks pymunk for the nearest segment beam by beam and adds NumPy noise; ours
-is ``Laser.scan``. Both are called from Python once a scan, from the same poses. Rounds of
-the rivals alternate, so that a slow spell of the machine meets both; medians are reported.
-The robot takes steps of experiment 1 with its own map and with a larger one: agents/step_cost.py.
+is ``Laser.scan``, called once a scan from the same poses. Rounds of the rivals alternate, so
+that a slow spell of the machine meets both; medians are reported. The robot takes steps of
+experiment 1 with its own map and with a larger one: agents/step_cost.py.
 """
 
 from __future__ import annotations
@@ -118,9 +118,7 @@ def compare(name: str, walls: Segments, rounds: int, seed: int) -> dict[str, obj
 
 def show(title: str, rows: list[dict[str, object]]) -> None:
     """Print a table."""
-    table = Table(title=title)
-    for k, heading in enumerate(rows[0]):
-        table.add_column(heading.replace("_", ", "), justify="right" if k else "left")
+    table = Table(*(heading.replace("_", ", ") for heading in rows[0]), title=title)
     for row in rows:
         table.add_row(*(f"{v:.2f}" if isinstance(v, float) else str(v or "") for v in row.values()))
     CONSOLE.print(table)
@@ -130,7 +128,7 @@ def main(
     plan: Annotated[str, typer.Option("--map", help="plan of the first row")] = "thesis_office",
     rounds: Annotated[int, typer.Option(min=1, help="alternations of the rivals")] = 15,
     seed: Annotated[int, typer.Option(help="of offices, poses and noise")] = 0,
-    out: Annotated[Path | None, typer.Option(help="also write the figures as JSON")] = None,
+    out: Annotated[Path | None, typer.Option(help="JSON file for the figures")] = None,
 ) -> None:
     """Print the cost of a scan beside the naive loop's, and of a step of the robot."""
     rng = np.random.default_rng(seed)

@@ -9,25 +9,25 @@ from agents.cogmap.bounded_space import Openings
 from agents.cogmap.exits import Book, seen_through_exit
 from agents.cogmap.params import Curiosity
 from agents.cogmap.view import View
-from cogmap_gym.geometry import Points, Pose, Segments, lengths
+from cogmap_gym.geometry import Points, Pose, Segments, cross, lengths, midpoints
 from cogmap_gym.observation import LaserSpec
 
 Bools = NDArray[np.bool_]
 
 
 def open_gaps(
-    gaps: Points,
+    gaps: Segments,
     seen: Openings,
     view: View,
     pose: Pose,
     laser: LaserSpec,
     book: Book,
     params: Curiosity,
-) -> Points:
-    """Middles of gaps that wait to be explored, brought up to date with a view.
+) -> Segments:
+    """Gaps that wait to be explored, brought up to date with a view.
 
     Args:
-        gaps: (G, 2) in the MFIS, from earlier views of this stay.
+        gaps: (G, 2, 2) in the MFIS, from earlier views of this place, what they hide on the right.
         seen: gaps of the view, in the robot's frame.
         view: the view.
         pose: ``mfis_from_robot``.
@@ -36,16 +36,21 @@ def open_gaps(
         params: distances.
 
     Returns:
-        (H, 2): not where the robot was near, not where all around is seen to be open.
+        (H, 2, 2): without those that the robot was near, those around which all is seen to be
+        open, and those that it sees from behind.
     """
-    new = pose.apply(seen.gaps.mean(axis=1))
-    new = new[~seen_through_exit(book, pose.position, new, params.beside_exit)]
+    new = pose.apply(seen.gaps)
+    new = new[~seen_through_exit(book, pose.position, midpoints(new), params.beside_exit)]
     in_robot = pose.inverse().apply(gaps)
-    distance = np.hypot(in_robot[:, 0], in_robot[:, 1])
-    reach, covered = _beams_around(in_robot, distance, view, laser, params)
-    gaps = gaps[~(covered & (reach > distance + params.open_radius))]
-    together = np.concatenate((gaps, new))
-    far = np.hypot(*(together - pose.position).T) > params.visited
+    middle = midpoints(in_robot)
+    distance = np.hypot(middle[:, 0], middle[:, 1])
+    reach, covered = _beams_around(middle, distance, view, laser, params)
+    opened = covered & (reach > distance + params.open_radius)
+    d = in_robot[:, 1] - in_robot[:, 0]
+    beyond = cross(d, middle) / np.maximum(np.hypot(d[:, 0], d[:, 1]), 1e-9)
+    from_behind = covered & (beyond > params.behind) & (reach > distance - params.open_radius)
+    together = np.concatenate((gaps[~(opened | from_behind)], new))
+    far = np.hypot(*(midpoints(together) - pose.position).T) > params.visited
     return _thinned(together[far], params.visited)
 
 
@@ -151,10 +156,11 @@ def _beams_around(
     return reach, covered & np.isfinite(reach)
 
 
-def _thinned(points: Points, apart: float) -> Points:
-    """Points no two of which are nearer than ``apart``; the first ones stay."""
+def _thinned(gaps: Segments, apart: float) -> Segments:
+    """Gaps no two of whose middles are nearer than ``apart``; the first ones stay."""
     kept: list[int] = []
-    for k in range(len(points)):
-        if not (np.hypot(*(points[kept] - points[k]).T) < apart).any():
+    middle = midpoints(gaps)
+    for k in range(len(gaps)):
+        if not (np.hypot(*(middle[kept] - middle[k]).T) < apart).any():
             kept.append(k)
-    return points[kept]
+    return gaps[kept]

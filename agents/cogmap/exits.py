@@ -136,9 +136,12 @@ def replace_exit(book: Book, changed: Exit) -> Book:
 
 
 def try_again(book: Book, place: int) -> Book:
-    """The book with no failures held against the exits of a place."""
+    """The book with no failures held against the exits of a place that were crossed before."""
     return tuple(
-        replace(e, failures=0) if e.failures and place in (e.left, e.right) else e for e in book
+        replace(e, failures=0)
+        if e.failures and e.crossed >= 0 and place in (e.left, e.right)
+        else e
+        for e in book
     )
 
 

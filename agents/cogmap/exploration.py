@@ -9,15 +9,13 @@ from numpy.typing import NDArray
 
 from agents.cogmap.driving import Action, drive_before, drive_through, drive_to, turn
 from agents.cogmap.exits import Exit, try_again
+from agents.cogmap.leads import way_to_leads
 from agents.cogmap.memory import CHECK, EXIT, GAP, LOOK, SPOT, Intent, Memory
 from agents.cogmap.params import Params
 from agents.cogmap.places import exits_of
 from agents.cogmap.view import View
-from cogmap_gym.geometry import Points
+from cogmap_gym.geometry import Points, midpoints
 from cogmap_gym.observation import RobotSpec
-
-_SAME_TARGET = 1.0
-
 
 def explore(memory: Memory, view: View, robot: RobotSpec, params: Params) -> tuple[Memory, Action]:
     """Algorithm 1: autonomous exploration.
@@ -53,7 +51,7 @@ def _arrived(memory: Memory, params: Params) -> Memory:
     if intent is None or intent.kind != GAP:
         return memory
     near = float(np.hypot(*(intent.target - memory.pose.position))) < params.exploration.arrival
-    hides = _about(_unexplored(memory, params), intent.target).any()
+    hides = _about(_unexplored(memory, params), intent.target, params).any()
     if hides and not near:
         return memory
     return replace(_without(memory, intent.target), intent=None)
@@ -75,7 +73,7 @@ def _valid(memory: Memory, params: Params) -> Intent | None:
         return intent if away >= p.arrival else None
     if intent.kind == CHECK:
         return None if memory.exit(intent.exit).trusted(params.exits) else intent
-    if intent.kind == GAP and _best_exit(memory, params) is not None:
+    if intent.kind == GAP and _new_exit(memory, params) is not None:
         return None
     return intent
 
@@ -89,42 +87,46 @@ def choose(memory: Memory, view: View, params: Params) -> Intent:
         if tried or not stay.entry or np.hypot(*(spot - at)) < params.exploration.arrival:
             return Intent(LOOK, at)
         return Intent(SPOT, spot)
-    best = _best_exit(memory, params)
-    gap = _best_gap(memory, _unexplored(memory, params))
-    if best is not None and best.crossed < 0:
-        return Intent(EXIT, best.middle, best.id)
+    new = _new_exit(memory, params)
+    if new is not None:
+        return Intent(EXIT, new.middle, new.id)
     doubtful = _doubtful_exit(memory, params)
     if doubtful is not None:
         return Intent(CHECK, doubtful.middle, doubtful.id)
-    if best is not None and stay.known:
-        return Intent(EXIT, best.middle, best.id)
+    gap = _best_gap(memory, _unexplored(memory, params))
     if gap is not None:
         return Intent(GAP, gap)
-    if best is not None:
-        return Intent(EXIT, best.middle, best.id)
+    onward = way_to_leads(memory, params) or _oldest_exit(memory, params)
+    if onward is not None:
+        return Intent(EXIT, onward.middle, onward.id)
     if stay.entry and memory.exit(stay.entry).failures < params.exploration.max_failures:
         entry = memory.exit(stay.entry)  # a dead end
         return Intent(EXIT, entry.middle, entry.id)
     return Intent(LOOK, at)
 
 
-def _best_exit(memory: Memory, params: Params) -> Exit | None:
-    """The exit to take: one never crossed and far away, else the one crossed longest ago.
+def _new_exit(memory: Memory, params: Params) -> Exit | None:
+    """The exit of this place never crossed that is furthest away.
 
-    Not the entry. "The robot is programmed to choose a potential exit that is furthest away"
-    (thesis 3.3).
+    "The robot is programmed to choose a potential exit that is furthest away" (thesis 3.3).
     """
-    stay, at = memory.stay, memory.pose.position
-    options = [
+    at = memory.pose.position
+    options = [e for e in _usable(memory, params) if e.crossed < 0]
+    return max(options, key=lambda e: float(np.hypot(*(e.middle - at))), default=None)
+
+
+def _oldest_exit(memory: Memory, params: Params) -> Exit | None:
+    """When all is known, the exit crossed longest ago, but not the entry."""
+    options = [e for e in _usable(memory, params) if e.id != memory.stay.entry]
+    return min(options, key=lambda e: e.crossed, default=None)
+
+
+def _usable(memory: Memory, params: Params) -> list[Exit]:
+    return [
         e
-        for e in exits_of(memory.book, stay.place)
-        if e.trusted(params.exits)
-        and e.id != stay.entry
-        and e.failures < params.exploration.max_failures
+        for e in exits_of(memory.book, memory.stay.place)
+        if e.trusted(params.exits) and e.failures < params.exploration.max_failures
     ]
-    if not options:
-        return None
-    return min(options, key=lambda e: (e.failures, e.crossed, -float(np.hypot(*(e.middle - at)))))
 
 
 def _doubtful_exit(memory: Memory, params: Params) -> Exit | None:
@@ -144,15 +146,15 @@ def _unexplored(memory: Memory, params: Params) -> Points:
     d = dim[:, 1] - dim[:, 0]
     left = np.stack((-d[:, 1], d[:, 0]), axis=-1) / np.hypot(d[:, 0], d[:, 1])[:, None]
     before = dim.mean(axis=1) + params.curiosity.stand * left
-    waiting = np.concatenate((memory.stay.gaps, before))
+    waiting = np.concatenate((midpoints(memory.stay.gaps), before))
     for done in memory.stay.done:
-        waiting = waiting[~_about(waiting, done)]
+        waiting = waiting[~_about(waiting, done, params)]
     return waiting
 
 
-def _about(points: Points, target: Points) -> NDArray[np.bool_]:
+def _about(points: Points, target: Points, params: Params) -> NDArray[np.bool_]:
     """Which points (P, 2) mean the same target (2,), (P,)."""
-    return np.asarray(np.hypot(*(points - target).T) < _SAME_TARGET)
+    return np.asarray(np.hypot(*(points - target).T) < params.exploration.same_target)
 
 
 def _best_gap(memory: Memory, gaps: Points) -> Points | None:

@@ -58,8 +58,8 @@ class Stay:
     """Whether the robot has looked round."""
     turned: float = 0.0
     """How far it has turned in looking round [rad]."""
-    gaps: Points = field(default_factory=lambda: NO_POINTS)
-    """(G, 2) in the MFIS: middles of gaps not yet explored."""
+    gaps: Segments = field(default_factory=lambda: NO_SEGMENTS)
+    """(G, 2, 2) in the MFIS: gaps not yet explored, what they hide on the right."""
     dim: Segments = field(default_factory=lambda: NO_SEGMENTS)
     """(D, 2, 2) in the MFIS: walls seen too sparsely to show a door."""
     done: Points = field(default_factory=lambda: NO_POINTS)
@@ -68,6 +68,19 @@ class Stay:
     """(S, 2, 2) in the MFIS: walls still to be looked at squarely for new exits."""
     searching: int = -1
     """Steps spent on looking for new exits here; -1 before it began."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leads:
+    """What was left unexplored in a place."""
+
+    place: int
+    gaps: Segments
+    """(G, 2, 2) in the MFIS."""
+    dim: Segments
+    """(D, 2, 2) in the MFIS."""
+    done: Points
+    """(K, 2) in the MFIS: targets reached or given up."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,6 +126,8 @@ class Memory:
     route: tuple[int, ...] | None
     """Exits still to cross on a journey."""
     status: str
+    leads: tuple[Leads, ...] = ()
+    """What was left unexplored in other places."""
     journey: Journey | None = None
     """The present journey, or None while exploring."""
 
@@ -128,6 +143,11 @@ class Memory:
     def exit(self, exit_id: int) -> Exit:
         """The exit of this id."""
         return self.book[exit_id - 1]
+
+    def leads_of(self, place: int) -> Leads:
+        """What was left unexplored in a place."""
+        none = Leads(place, NO_SEGMENTS, NO_SEGMENTS, NO_POINTS)
+        return next((x for x in self.leads if x.place == place), none)
 
     def since_left(self, place: int) -> float:
         """Metres driven since the place was last left."""

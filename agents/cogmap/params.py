@@ -222,16 +222,16 @@ class Association:
     """From one late trial to the next [1]. Ours: FINDINGS 5."""
     base_shift: float = 0.4
     """Drift allowed at once [m]. Ours: FINDINGS 5."""
-    shift_per_metre: float = 0.03
-    """Drift allowed for each metre since the place was left [1]. Ours: FINDINGS 5."""
-    max_shift: float = 3.5
-    """Largest drift allowed [m]. Ours: FINDINGS 5."""
+    shift_per_metre: float = 0.012
+    """Drift allowed for each metre since the place was left [1]. Ours: 0.3 m after 90 m, severe."""
+    max_shift: float = 2.5
+    """Largest drift allowed [m]. Ours: farther off, one corridor is taken for another."""
     base_turn: float = 0.035
     """Turn allowed at once, 2 degrees [rad]. Ours: FINDINGS 5."""
-    turn_per_metre: float = 0.001
-    """Turn allowed for each metre since, 0.06 degrees [rad/m]. Ours: FINDINGS 5."""
-    max_turn: float = 0.21
-    """Largest turn allowed, 12 degrees [rad]. Ours: FINDINGS 5."""
+    turn_per_metre: float = 0.0006
+    """Turn allowed for each metre since, 0.03 degrees [rad/m]. Ours: 0.01 rad after 90 m."""
+    max_turn: float = 0.14
+    """Largest turn allowed, 8 degrees [rad]. Ours: twice what was seen at the severe level."""
     search_beams: int = 100
     """About as many beam ends are laid on the map in the search [1]. Ours: cost."""
     search_step: float = 0.15
@@ -286,6 +286,8 @@ class Exploration:
     """And aims so far beyond it [m]. Ours: past the 0.35 m of a crossing."""
     arrival: float = 0.4
     """A target within this is reached [m]. Ours: a step's uncertainty."""
+    same_target: float = 1.0
+    """Targets nearer than this are one [m]. Ours: seen from one, the other hides nothing."""
     survey_reach: float = 4.0
     """Beams are cut at this length to find the middle of a space [m]. Ours: rooms of 8 m."""
     patience: int = 12
@@ -302,6 +304,8 @@ class Curiosity:
 
     visited: float = 1.2
     """A gap the robot came as near to is explored [m]. Ours: what it hid is then in view."""
+    behind: float = 0.3
+    """A gap seen from so far behind it hides nothing [m]. Ours: what it hid is in view."""
     open_radius: float = 0.5
     """A gap all of whose surroundings so far are seen to be open is no gap [m]. Ours: a body."""
     max_spacing: float = 0.25

@@ -8,7 +8,7 @@ import numpy as np
 
 from agents.cogmap.asr import ASR, compute_asr
 from agents.cogmap.exits import NOWHERE, Exit, crossed_exit, replace_exit, try_again
-from agents.cogmap.memory import Memory, Stay
+from agents.cogmap.memory import Leads, Memory, Stay
 from agents.cogmap.mfis import UNTAGGED, tag
 from agents.cogmap.params import Params
 from agents.cogmap.places import exits_of
@@ -43,11 +43,25 @@ def leave(memory: Memory, crossed: Exit, params: Params) -> Memory:
     step = memory.mapping.step
     entered = replace(crossed, left=left, right=right, crossed=step, failures=0)
     departures = tuple(d for d in memory.departures if d[0] != stay.place)
+    own = Leads(stay.place, stay.gaps, stay.dim, stay.done)
+    left_open = memory.leads_of(ahead)
     return replace(
         memory,
+        leads=(*(x for x in memory.leads if x.place not in (stay.place, ahead)), own),
         network=network,
         book=try_again(replace_exit(memory.book, entered), ahead),
-        stay=Stay(ahead, known, crossed.id, stay.place, step, memory.path[-1:, :2], looked=known),
+        stay=Stay(
+            ahead,
+            known,
+            crossed.id,
+            stay.place,
+            step,
+            memory.path[-1:, :2],
+            looked=known,
+            gaps=left_open.gaps,
+            dim=left_open.dim,
+            done=left_open.done,
+        ),
         departures=(*departures, (stay.place, memory.travelled)),
         intent=None,
         route=_shortened(memory.route, crossed.id),

@@ -1,0 +1,50 @@
+"""What other places still hide, and the way to the nearest of it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from agents.cogmap.exits import Exit
+from agents.cogmap.memory import Memory
+from agents.cogmap.params import Params
+from agents.cogmap.places import Route, route
+from cogmap_gym.geometry import Points, midpoints
+
+
+def way_to_leads(memory: Memory, params: Params) -> Exit | None:
+    """The first exit on the way to the nearest lead in another place, or None when all is known.
+
+    Leads are exits never crossed, and gaps and walls left unexplored.
+    """
+    at, here = memory.pose.position, memory.stay.place
+    failed = frozenset(
+        e.id for e in memory.book if e.failures >= params.exploration.max_failures
+    )
+    best: Route | None = None
+    for place, spot in _spots(memory, params):
+        way = route(memory.book, at, here, spot, place, failed)
+        if way is not None and way.exits and (best is None or way.length < best.length):
+            best = way
+    return memory.exit(best.exits[0]) if best is not None else None
+
+
+def _spots(memory: Memory, params: Params) -> list[tuple[int, Points]]:
+    """(place, a lead (2,) in it) of every place but the present one that has any."""
+    spots: list[tuple[int, Points]] = []
+    for e in memory.book:
+        if e.crossed < 0 and e.failures < params.exploration.max_failures and e.sightings > 0:
+            spots.extend((p, e.middle) for p in {e.left, e.right} if _known(memory, p))
+    for left in memory.leads:
+        points = np.concatenate((midpoints(left.gaps), midpoints(left.dim)))
+        for done in left.done:
+            away = np.hypot(*(points - done).T) >= params.exploration.same_target
+            points = points[away]
+        if len(points) and _known(memory, left.place):
+            spots.append((left.place, points[0]))
+    return spots
+
+
+def _known(memory: Memory, place: int) -> bool:
+    return place != memory.stay.place and any(
+        e.crossed >= 0 and place in (e.left, e.right) for e in memory.book
+    )
