@@ -1,7 +1,7 @@
 """cogmap_gym: a robot with a laser and drifting odometry in an office, for Gymnasium.
 
 Importing this package registers the environments ``CogMap/Explore-v0``,
-``CogMap/GoHome-v0`` and ``CogMap/Thesis-v0``.
+``CogMap/GoHome-v0``, ``CogMap/GoTo-v0``, ``CogMap/Shortcut-v0`` and ``CogMap/Thesis-v0``.
 """
 
 from __future__ import annotations
@@ -14,7 +14,13 @@ from cogmap_gym.sensors import OdometrySpec
 
 __all__ = ["ENV_IDS", "FloorPlan", "LaserSpec", "OdometrySpec", "RobotSpec"]
 
-_TASKS = {"Explore": "explore", "GoHome": "home", "Thesis": "thesis"}
+_TASKS = {
+    "Explore": "explore",
+    "GoHome": "home",
+    "GoTo": "goto",
+    "Shortcut": "shortcut",
+    "Thesis": "thesis",
+}
 ENV_IDS = tuple(f"CogMap/{name}-v0" for name in _TASKS)
 """All ids that importing this package registers."""
 

@@ -42,16 +42,18 @@ class CogMapEnv(gym.Env[Observation, Any]):
     """A robot with a laser and drifting odometry in a building; see DESIGN 3 for the contract.
 
     Args:
-        task: ``"explore"``, ``"home"`` or ``"thesis"``; the registered ids set it.
-        map: a name under ``maps/``, the path of a plan, the mapping of one, or a plan.
+        task: ``"explore"``, ``"home"``, ``"goto"``, ``"shortcut"`` or ``"thesis"``; the
+            registered ids set it.
+        map: a name under ``maps/``, ``"office:SEED"``, the path or mapping of a plan, or a plan.
         control: ``"move"`` (turn, then drive) or ``"velocity"`` (0.1 s of v and omega).
         laser: a spec, its mapping, or None for the SICK LMS-200.
         odometry: a spec, its mapping, or the name of a level.
         max_moves: steps after which an episode is truncated. By default ``Explore`` gets 200
             and one a square metre of free space, ``GoHome`` 120 and three quarters a square
-            metre, ``Thesis`` the sum of its budgets; 25 times as many in velocity control.
+            metre, the others the sum of their budgets; 25 times as many in velocity control.
         render_mode: None or ``"rgb_array"``.
         experiment: which experiment ``"thesis"`` runs, 1 to 3; None for any other task.
+        unreachable: share of the goals of ``"shortcut"`` to which no route is left.
 
     Specs and plans may be given as objects; ``spec`` then holds their mappings, so that it
     survives JSON. ``reset(options={"home": [x, y, degrees]})`` moves home for one episode.
@@ -72,6 +74,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         max_moves: int | None = None,
         render_mode: str | None = None,
         experiment: int | None = None,
+        unreachable: float = 0.0,
     ) -> None:
         """Load the plan and build world, sensors and task; ``reset`` begins an episode."""
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
@@ -84,7 +87,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         self.plan = FloorPlan.load(map)
         self.world = World(self.plan, self.robot)
         self._start = self.world.state()
-        course = course_of(task, experiment)
+        course = course_of(task, experiment, unreachable)
         steps_a_move = 1 if control == "move" else STEPS_A_MOVE
         self.task = Task(course, self.world, self.laser, steps_a_move)
         self.max_moves = _max_moves(max_moves, steps_a_move * course.most_moves(self.plan))

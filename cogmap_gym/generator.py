@@ -55,8 +55,8 @@ EXACT = 9
 """Decimals of a coordinate once turned [-]: 1 nm, so that rooms still meet at doors."""
 STRAIGHT_M2 = 1e-7
 """A ring goes straight on at a point where it and its neighbours span less than this [m^2]."""
-DRAWS = 500
-"""An office is given up after this many draws; about one in two serves [-]."""
+DRAWS = 100
+"""An office is given up after this many draws; nineteen in twenty serve [-]."""
 _NAME = re.compile(r"office:(\d{1,6})(?::([a-z]+))?")
 
 

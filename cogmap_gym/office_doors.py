@@ -8,7 +8,7 @@ ways become the chords, which are shut at first.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -138,9 +138,9 @@ def _directed(ends: Segments, left: Polygon) -> Segments:
 
 
 def _drawn(
-    pair: tuple[int, int], walls: Walls, taken: Iterable[Doorway], wall: float, rng: Rng
+    pair: tuple[int, int], walls: Walls, taken: Sequence[Polygon], wall: float, rng: Rng
 ) -> Doorway | None:
-    """A doorway between a pair of spaces; None if it comes too near to another."""
+    """A doorway between a pair of spaces; None if it comes too near to those taken."""
     start, end = walls[pair][int(rng.integers(len(walls[pair])))]
     length = math.dist(start, end)
     margin = JAMB + wall / 2.0
@@ -150,7 +150,8 @@ def _drawn(
     at = float(np.round(rng.uniform(first, max(first, length - first)), 2))
     along = (end - start) / length
     door = Doorway(pair, start + at * along, np.array((-along[1], along[0])), width, wall)
-    gaps = [door.opening.distance(other.opening) for other in taken]
+    opening = door.opening
+    gaps = [opening.distance(other) for other in taken]
     return door if min(gaps, default=APART) >= APART else None
 
 
@@ -163,7 +164,7 @@ def _tree(walls: Walls, spaces: Sequence[Space], wall: float, rng: Rng) -> list[
     for pair in by_kind * ROUNDS:
         both = all(spaces[k].is_corridor for k in pair) and not graph.has_edge(*pair)
         if both or not nx.has_path(graph, *pair):
-            door = _drawn(pair, walls, doors, wall, rng)
+            door = _drawn(pair, walls, [other.opening for other in doors], wall, rng)
             if door is not None:
                 doors.append(door)
                 graph.add_edge(*pair)
@@ -180,8 +181,10 @@ def _savers(
     chosen: list[Doorway] = []
     joined = {door.sides for door in doors}
     for _ in range(most):
-        drawn = [_drawn(pair, walls, [*doors, *chosen], wall, rng) for pair in sorted(walls)]
-        new = [door for door in drawn if door is not None and door.sides not in joined]
+        taken = [door.opening for door in (*doors, *chosen)]
+        pairs = [pair for pair in sorted(walls) if pair not in joined]
+        drawn = [_drawn(pair, walls, taken, wall, rng) for pair in pairs]
+        new = [door for door in drawn if door is not None]
         gains = np.array([_gain(door, doors) for door in new])
         weights = np.where(gains >= least, gains, 0.0) ** 2
         if not weights.sum():

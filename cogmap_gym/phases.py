@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -11,10 +11,13 @@ import numpy as np
 from cogmap_gym.events import Event
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Pose, point_segment_distances
+from cogmap_gym.routes import Routes
 from cogmap_gym.world import World
 
 BEYOND_DOOR_M = 1.0
 """A lap ends this far from its last door [m]. DESIGN 4."""
+MARK_GAP_M = 1.0
+"""Marks other than home are given this far from any door, or farther [m]. DESIGN 3."""
 UNLIMITED = 1_000_000_000
 """The budget of a phase that only the limit of the whole episode ends [moves]."""
 
@@ -38,6 +41,15 @@ class Lap:
         return bool(gap >= BEYOND_DOOR_M)
 
 
+class Hindrance(Protocol):
+    """Events that depend on where the robot is when its goal is given."""
+
+    def arrange(
+        self, world: World, routes: Routes, mark: Pose
+    ) -> tuple[tuple[Event, ...], tuple[Event, ...]]:
+        """The events of a phase that begins now, and those that put things right."""
+
+
 @dataclass(frozen=True, slots=True)
 class Phase:
     """One stretch of an episode with one goal, which ends in success or failure."""
@@ -52,6 +64,9 @@ class Phase:
     """Whether running out of the budget is a good end."""
     coverage: float | None = None
     """Under goal 0: the phase ends well once this share has been seen."""
+    all_marks: bool = False
+    """With ``coverage``: all marks must have been given, too, and the robot have left the room
+    of the one that is asked for next."""
     lap: Lap | None = None
     """Under goal 0: the phase ends well once this lap is made."""
     in_room: bool = False
@@ -60,12 +75,29 @@ class Phase:
     """What happens in this phase, each once, in this order for each door."""
     closing: tuple[Event, ...] = ()
     """What is put right when the phase ends."""
+    hindrance: Hindrance | None = None
+    """Adds events when the phase begins."""
 
-    def is_over(self, trail: tuple[str, ...], coverage: float, world: World) -> bool:
+    def is_over(
+        self, trail: tuple[str, ...], coverage: float, world: World, *, marks_ready: bool
+    ) -> bool:
         """Whether a phase of goal 0 has met its end."""
         if self.lap is not None:
             return self.lap.is_over(trail, world.pose, world)
-        return self.coverage is not None and coverage >= self.coverage
+        seen = self.coverage is not None and coverage >= self.coverage
+        return seen and (marks_ready or not self.all_marks)
+
+    def arranged(self, world: World, routes: Routes, mark: Pose) -> Phase:
+        """The phase as it begins now: with the events of its hindrance, and without that."""
+        if self.hindrance is None:
+            return self
+        events, closing = self.hindrance.arrange(world, routes, mark)
+        return replace(
+            self,
+            events=(*self.events, *events),
+            closing=(*self.closing, *closing),
+            hindrance=None,
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,96 +1,139 @@
-"""The shortest true distances, for rewards and oracles: a grid geodesic.
-
-Cells of 0.1 m nearer to a wall than the robot's radius are closed. A route may step to
-any of 32 neighbours, so that its length is at most 1.3 % above the true shortest one.
-"""
+"""The shortest true ways of a robot in its world: for rewards, scores and oracles."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from cogmap_gym.geometry import Array, Pose
-from cogmap_gym.grid import CELL_M, Grid, Mask
+from cogmap_gym.geometry import Array, Points, Pose, Segments, point_segment_distances
+from cogmap_gym.visibility import TOLERANCE_M, Ints, VisibilityGraph, clear, first_clear
 from cogmap_gym.world import World
 
-SLACK_M = 0.04
-"""Less than the radius is kept clear [m], or cells of 0.1 m would shut a gap of 0.6 m."""
-REACH_CELLS = 2
-"""A pose is joined to the open cells this many cells around it, in straight lines."""
 CACHED_FIELDS = 64
-"""How many distance fields are kept; one of 90,000 cells takes 0.7 MB."""
-STEPS = ((0, 1), (1, 0), (1, 1), (1, 2), (2, 1), (1, 3), (3, 1), (2, 3), (3, 2))
-"""Steps of a route in (rows, columns); each also to the left: with those back, 32."""
-Ints = NDArray[np.int64]
+"""How many fields of distances are kept; one of 1,000 nodes takes 20 kB."""
+Solid = frozenset[str]
+"""The names of all doors that are shut and all barriers that stand."""
 
 
 class Routes:
-    """Shortest true distances in a world, with the doors as they stand at each call."""
+    """Shortest true ways in a world, with the doors as they stand, or as they might.
+
+    The graph is made when the first way is asked for (half a second for a large office).
+    """
 
     def __init__(self, world: World) -> None:
-        """Lay the grid over the world's walls."""
+        """Nothing is computed yet."""
         self._world = world
-        self.grid = Grid.over(world.plan.walls_and_furniture())
-        self._fields: dict[tuple[object, ...], Array] = {}
+        self._graph: VisibilityGraph | None = None
+        self._rows = {n: k for k, n in enumerate((*world.plan.door_names, *world.plan.barriers))}
+        self._fields: dict[tuple[object, ...], tuple[Array, Ints]] = {}
+        self._walls: tuple[Solid, Segments] = (frozenset(), world.fixed_segments)
 
-    def distance(self, here: Pose, there: Pose) -> float:
-        """Length of the shortest route between two poses [m]; infinite if there is none."""
-        straight = here.distance(there)
-        if straight <= REACH_CELLS * CELL_M:
-            return straight
-        cells, legs = self._joined(here)
-        return float((self._field(there)[cells] + legs).min())
+    @property
+    def solid(self) -> Solid:
+        """What is in the way now."""
+        return self._world.shut_doors | self._world.present_barriers
 
-    def _joined(self, pose: Pose) -> tuple[Ints, Array]:
-        """The cells around a pose (flattened) and the distances of their centres [m]."""
-        grid, reach = self.grid, REACH_CELLS
-        row, column = grid.cell(pose.x, pose.y)
-        rows = np.arange(max(row - reach, 0), min(row + reach + 1, grid.rows))
-        columns = np.arange(max(column - reach, 0), min(column + reach + 1, grid.columns))
-        dx = grid.x0 + CELL_M * (columns + 0.5) - pose.x
-        dy = grid.y0 + CELL_M * (rows + 0.5) - pose.y
-        cells = rows[:, None] * grid.columns + columns
-        return cells.ravel(), np.hypot(dx, dy[:, None]).ravel()
+    def distance(self, here: Pose, there: Pose, solid: Solid | None = None) -> float:
+        """Length of the shortest way between two poses [m]; infinite if there is none.
 
-    def _field(self, there: Pose) -> Array:
-        """Shortest distances from every cell (flattened) to ``there`` [m]."""
-        key = (there.x, there.y, self._world.shut_doors, self._world.present_barriers)
+        Args:
+            here: where the robot is.
+            there: where it shall be.
+            solid: which doors are shut and which barriers stand; by default, as it is now.
+        """
+        way = self._start_of_way(here, there, self.solid if solid is None else solid)
+        return way[0]
+
+    def way(self, here: Pose, there: Pose, solid: Solid | None = None) -> Points | None:
+        """The points of the shortest way (K, 2) from ``here`` to ``there`` [m]; None: no way.
+
+        The arguments are those of ``distance``.
+        """
+        solid = self.solid if solid is None else solid
+        length, node = self._start_of_way(here, there, solid)
+        if not math.isfinite(length):
+            return None
+        points = [here.position]
+        if node >= 0:
+            graph, (_, towards) = self._made(), self._field(there, solid)
+            while node < len(graph.nodes):
+                points.append(graph.nodes[node])
+                node = int(towards[node])
+        return np.array((*points, there.position))
+
+    def in_sight(self, eye: Points, name: str, solid: Solid) -> bool:
+        """Whether a quarter point or the middle of a door or barrier is in line of sight.
+
+        Args:
+            eye: (2,), where one looks from, all round [m].
+            name: of the door, open or shut, or of the barrier.
+            solid: what is in the way of the look; the thing itself never is.
+        """
+        (a, b) = self._world.segment(name)[0]
+        targets = a + np.array((0.25, 0.5, 0.75))[:, None] * (b - a)
+        eyes = np.broadcast_to(eye, targets.shape).copy()
+        return bool(clear(eyes, targets, self._segments(solid - {name}), 0.0).any())
+
+    def _start_of_way(self, here: Pose, there: Pose, solid: Solid) -> tuple[float, int]:
+        """The length of the way and its first node; -1 where there is none between."""
+        segments = self._segments(solid)
+        a, b = here.position, there.position
+        reach = min(self._reach(a, segments), self._reach(b, segments))
+        if clear(a[None], b[None], segments, reach)[0]:
+            return here.distance(there), -1
+        nodes = self._made().nodes
+        lengths = self._field(there, solid)[0] + np.hypot(*(nodes - a).T)
+        order = np.argsort(lengths, kind="stable")
+        order = order[: np.count_nonzero(np.isfinite(lengths))]
+        node = first_clear(a, nodes, order, segments, self._reach(a, segments))
+        return (math.inf, -1) if node < 0 else (float(lengths[node]), node)
+
+    def _reach(self, point: Points, segments: Segments) -> float:
+        """What a way from a point must keep clear: the radius, or less where a wall is touched."""
+        gap = float(point_segment_distances(point[None], segments).min())
+        return min(self._world.robot.radius, gap) - TOLERANCE_M
+
+    def _segments(self, solid: Solid) -> Segments:
+        """All that is in the way, (N, 2, 2); the last answer is kept."""
+        if self._walls[0] != solid:
+            rows = [self._rows[name] for name in sorted(solid)]
+            leaves = self._world.movable_segments[rows]
+            self._walls = solid, np.concatenate((self._world.fixed_segments, leaves))
+        return self._walls[1]
+
+    def _made(self) -> VisibilityGraph:
+        if self._graph is None:
+            world = self._world
+            movable, radius = world.movable_segments, world.robot.radius
+            self._graph = VisibilityGraph.of(world.plan, movable, radius)
+        return self._graph
+
+    def _field(self, there: Pose, solid: Solid) -> tuple[Array, Ints]:
+        """From every node: how far it is to ``there`` [m], and the next node on the way."""
+        key = (there.x, there.y, solid)
         if key not in self._fields:
             if len(self._fields) >= CACHED_FIELDS:
                 self._fields.pop(next(iter(self._fields)))
-            self._fields[key] = self._computed(there)
+            self._fields[key] = self._computed(there, solid)
         return self._fields[key]
 
-    def _computed(self, there: Pose) -> Array:
-        """Dijkstra from one more node, which stands for ``there``."""
-        radius = self._world.robot.radius - SLACK_M
-        free = ~self.grid.near(self._world.solid_segments, radius)
-        cells, legs = self._joined(there)
-        near = free.ravel()[cells]
-        graph = _graph(free, cells[near], legs[near])
-        lengths = dijkstra(graph, directed=False, indices=np.array((free.size,)))
-        return np.asarray(lengths[0, :-1], dtype=np.float64)
-
-
-def _graph(free: Mask, cells: Ints, legs: Array) -> csr_array:
-    """The graph of the free cells (flattened), an edge a step, weighted in metres.
-
-    One more node, the last, is joined to ``cells`` by edges of length ``legs``.
-    """
-    index = np.arange(free.size).reshape(free.shape)
-    height, width = free.shape
-    starts, ends, weights = [np.full(cells.size, free.size)], [cells], [legs]
-    for i, j in (*STEPS, *((i, -j) for i, j in STEPS if i and j)):
-        here = np.s_[: height - i, max(-j, 0) : width - max(j, 0)]
-        there = np.s_[i:, max(j, 0) : width + min(j, 0)]
-        both = free[here] & free[there]
-        starts.append(index[here][both])
-        ends.append(index[there][both])
-        weights.append(np.full(starts[-1].size, CELL_M * math.hypot(i, j)))
-    nodes = free.size + 1
-    rows, columns = np.concatenate(starts), np.concatenate(ends)
-    return csr_array((np.concatenate(weights), (rows, columns)), shape=(nodes, nodes))
+    def _computed(self, there: Pose, solid: Solid) -> tuple[Array, Ints]:
+        """Dijkstra from one more node, the last, which stands for ``there``."""
+        graph, segments, goal = self._made(), self._segments(solid), there.position
+        count = len(graph.nodes)
+        goals = np.broadcast_to(goal, graph.nodes.shape).copy()
+        near = np.flatnonzero(clear(goals, graph.nodes, segments, self._reach(goal, segments)))
+        legs = np.hypot(*(graph.nodes[near] - goal).T)
+        open_ = ~graph.cut_by[:, [self._rows[name] for name in sorted(solid)]].any(axis=1)
+        starts = np.concatenate((graph.edges[open_, 0], np.full(len(near), count)))
+        ends = np.concatenate((graph.edges[open_, 1], near))
+        weights = np.concatenate((graph.lengths[open_], np.maximum(legs, TOLERANCE_M)))
+        matrix = csr_array((weights, (starts, ends)), shape=(count + 1, count + 1))
+        lengths, towards = dijkstra(
+            matrix, directed=False, indices=np.array(count), return_predecessors=True
+        )
+        return lengths[:count], towards[:count].astype(np.int64)

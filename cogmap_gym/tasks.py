@@ -21,8 +21,9 @@ from cogmap_gym.body import Motion
 from cogmap_gym.coverage import Coverage
 from cogmap_gym.events import EventQueue
 from cogmap_gym.geometry import Pose
+from cogmap_gym.learning_walk import learning_length
 from cogmap_gym.observation import MARKS, LaserSpec
-from cogmap_gym.phases import Course, Phase, PhaseResult
+from cogmap_gym.phases import MARK_GAP_M, Course, Phase, PhaseResult
 from cogmap_gym.routes import Routes
 from cogmap_gym.trail import Trail
 from cogmap_gym.world import World
@@ -33,14 +34,19 @@ FOUND_REWARD = 10.0
 """For a right declaration; a wrong one costs as much [-]."""
 STEP_REWARD = -0.01
 """For each step [-]."""
-MARK_GAP_M = 1.0
-"""Marks other than home are given this far from any door, or farther [m]. DESIGN 3."""
 HOME = 1
 """The mark of home."""
-SCORES = ("success", "spl", "final_distance", "oracle_length")
+SCORES = (
+    *("success", "spl", "final_distance", "oracle_length"),
+    *("spl_learning", "learning_length"),
+)
 """The arrays by mark in ``info``. ``success[0]`` is that of the last finished phase of goal 0.
 Of a mark that was a goal more than once, the last finished phase counts. ``final_distance``
-is the straight distance to the mark [m], ``oracle_length`` the shortest way [m]."""
+is the straight distance to the mark [m]. Both lengths [m] are from where the goal was given:
+``oracle_length`` that of the shortest way for one who knows all events of the phase,
+``learning_length`` that of the shortest walk that learns of a block only on seeing it
+(``learning_walk``). ``spl`` and ``spl_learning`` are
+success weighted by each length over the length driven, at most 1. -1: not finished, no route."""
 
 
 class Task:
@@ -63,6 +69,7 @@ class Task:
         """
         course.check(world.plan)
         self._course, self._world, self._steps_a_move = course, world, steps_a_move
+        self._range_max = laser.range_max
         self._coverage = Coverage(world, laser)
         self._routes = Routes(world)
         self._phases: tuple[Phase, ...] = ()
@@ -175,11 +182,19 @@ class Task:
         """True: the phase ends well; False: it fails; None: it goes on."""
         if phase.goal and declared:
             return self._is_right(phase)
-        if not phase.goal and phase.is_over(self._trail.rooms, self._coverage.share, self._world):
+        rooms, seen, ready = self._trail.rooms, self._coverage.share, self._is_ready()
+        if not phase.goal and phase.is_over(rooms, seen, self._world, marks_ready=ready):
             return True
         if self._steps >= phase.budget * self._steps_a_move:
             return phase.budget_is_success
         return None
+
+    def _is_ready(self) -> bool:
+        """Whether all marks have been given, and the next one asked for is in another room."""
+        later = self._phases[len(self.results) + 1 :]
+        room = self._mark_rooms.get(later[0].goal) if later else None
+        here = self._world.plan.room_at(self._pose.x, self._pose.y)
+        return set(self._mark_rooms) <= set(self._marks) and (room is None or room != here)
 
     def _is_right(self, phase: Phase) -> bool:
         """Whether "I am there", said here, is true."""
@@ -192,16 +207,16 @@ class Task:
 
     def _close(self, phase: Phase, *, success: bool) -> None:
         """Write down how the phase came out, and begin the next."""
-        driven, oracle = self.path_length - self._phase_start, self._oracle_length
+        driven, (oracle, learning) = self.path_length - self._phase_start, self._lengths
         moves = math.ceil(self._steps / self._steps_a_move)
         self.results.append(PhaseResult(phase.task, success, moves, driven, oracle))
-        self._scores["success"][phase.goal] = float(success)
-        if phase.goal:
-            self._scores["oracle_length"][phase.goal] = oracle
-            mark = self._marks[phase.goal]
-            self._scores["final_distance"][phase.goal] = self._pose.distance(mark)
-            share = oracle / max(oracle, driven) if driven > 0.0 else 1.0
-            self._scores["spl"][phase.goal] = -1.0 if oracle < 0.0 else share * float(success)
+        scores, goal = self._scores, phase.goal
+        scores["success"][goal] = float(success)
+        if goal:
+            scores["oracle_length"][goal], scores["learning_length"][goal] = oracle, learning
+            scores["final_distance"][goal] = self._pose.distance(self._marks[goal])
+            scores["spl"][goal] = _path_share(oracle, driven, success=success)
+            scores["spl_learning"][goal] = _path_share(learning, driven, success=success)
         self._queue.call(phase.closing)
         self._begin()
 
@@ -212,9 +227,35 @@ class Task:
             self._scores["success"][phase.goal] = 0.0
         self._steps, self._phase_start = 0, self.path_length
         self._trail = Trail(self._world.plan, self._pose)
-        self._queue.expect(() if phase is None else phase.events)
-        self._events = self._queue.fire(self._trail.rooms)
-        self._oracle_length = -1.0
+        self._lengths = -1.0, -1.0
         if phase is not None and phase.goal:
-            length = self._routes.distance(self._pose, self._marks[phase.goal])
-            self._oracle_length = length if math.isfinite(length) else -1.0
+            phase = phase.arranged(self._world, self._routes, self._marks[phase.goal])
+            done = len(self.results)
+            self._phases = (*self._phases[:done], phase, *self._phases[done + 1 :])
+        self._queue.expect(() if phase is None else phase.events)
+        if phase is not None and phase.goal:
+            self._lengths = self._shortest(self._marks[phase.goal])
+        self._events = self._queue.fire(self._trail.rooms)
+
+    def _shortest(self, mark: Pose) -> tuple[float, float]:
+        """The lengths to a mark for one who knows what will happen, and for one who learns [m].
+
+        -1 where there is no way. To be asked before the first events of the phase fire.
+        """
+        routes = self._routes
+        oracle = learning = routes.distance(self._pose, mark, self._queue.outcome())
+        if self._queue.pending:
+            learning = learning_length(self._world, routes, self._queue, mark, self._range_max)
+        return _finite(min(oracle, learning)), _finite(learning)
+
+
+def _finite(length: float) -> float:
+    """A length as ``info`` tells it: -1 for none."""
+    return length if math.isfinite(length) else -1.0
+
+
+def _path_share(shortest: float, driven: float, *, success: bool) -> float:
+    """Success weighted by path length; -1 where no way was there."""
+    if shortest < 0.0:
+        return -1.0
+    return float(success) * (shortest / max(shortest, driven) if driven > 0.0 else 1.0)

@@ -48,7 +48,7 @@ def _place(mark: int, events: tuple[Event, ...], closing: tuple[Event, ...] = ()
 CLOCKWISE = _lap(clockwise=True)
 ANTICLOCKWISE = _lap(clockwise=False)
 GO_HOME = Phase("home", 1, GOAL_MOVES)
-TO_ASR5 = _place(2, ())
+TO_ASR5 = _place(2, (Event("place", "B5", "ASR5", "ASR6"),))
 TO_ASR3_BLOCKED = _place(
     3, (Event("place", "B5"), Event("open", "E7"), Event("open", "E8")), (Event("remove", "B5"),)
 )

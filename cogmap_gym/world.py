@@ -70,6 +70,11 @@ class World:
         return self._present
 
     @property
+    def fixed_segments(self) -> Segments:
+        """Walls and furniture, (N, 2, 2)."""
+        return self._fixed
+
+    @property
     def solid_segments(self) -> Segments:
         """All that is in the way now: walls, furniture, shut doors, barriers, (N, 2, 2)."""
         rows = [self._rows[name] for name in sorted(self._shut | self._present)]

@@ -24,6 +24,7 @@ import cogmap_gym
 from agents.rollout import run_episode
 from cogmap_gym import FloorPlan, LaserSpec, OdometrySpec, RobotSpec
 from cogmap_gym.env import CogMapEnv
+from cogmap_gym.tasks import SCORES
 from cogmap_gym.wrappers import TruePose
 
 CASES = [
@@ -32,6 +33,8 @@ CASES = [
     ("CogMap/Explore-v0", {"map": "two_rooms", "control": "velocity"}),
     ("CogMap/GoHome-v0", {"map": "thesis_office"}),
     ("CogMap/GoHome-v0", {"map": "two_rooms", "control": "velocity"}),
+    ("CogMap/GoTo-v0", {"map": "two_rooms"}),
+    ("CogMap/Shortcut-v0", {"map": "thesis_office", "unreachable": 0.3}),
     *(("CogMap/Thesis-v0", {"experiment": number}) for number in (1, 2, 3)),
 ]
 EACH = pytest.mark.parametrize(("name", "keywords"), CASES)
@@ -51,6 +54,7 @@ SKETCH = {
 INFO_KEYS = {
     *("pose", "room", "coverage", "path_length", "phase", "events", "is_success"),
     *("success", "spl", "final_distance", "oracle_length"),
+    *("spl_learning", "learning_length"),
 }
 
 
@@ -195,7 +199,7 @@ def test_info_has_constant_keys_and_no_nan(name: str, keywords: dict[str, Any]) 
             break
     for info in infos:
         assert set(info) == INFO_KEYS
-        for key in ("success", "spl", "final_distance", "oracle_length"):
+        for key in SCORES:
             assert info[key].shape == (10,)
             assert np.isfinite(info[key]).all()
 
@@ -276,6 +280,9 @@ def test_home_can_be_moved_for_one_episode() -> None:
         ({"max_moves": 0}, "max_moves"),
         ({"render_mode": "ascii"}, "render_mode"),
         ({"experiment": 1}, "experiment"),
+        ({"unreachable": 0.1}, "unreachable"),
+        ({"task": "shortcut", "unreachable": 2.0}, "unreachable"),
+        ({"task": "shortcut"}, "chords"),
     ],
 )
 def test_a_bad_keyword_is_refused_by_name(keywords: dict[str, Any], told: str) -> None:

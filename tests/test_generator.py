@@ -28,8 +28,7 @@ from cogmap_gym.world import World
 NAMES = [f"office:{seed}:{level}" for level in DIFFICULTIES for seed in range(1100, 1125)]
 EACH = pytest.mark.parametrize("name", NAMES)
 TOUCH = 1e-6
-MARGIN = 0.30
-"""Radius of a disc that gets everywhere: the robot's and 5 cm [m]."""
+MARGIN = 0.30  # of a disc that gets everywhere: the robot's radius and 5 cm [m]
 
 
 @cache
@@ -232,9 +231,8 @@ def test_an_environment_on_an_office_survives_json() -> None:
     env = gym.make("CogMap/Explore-v0", map=NAMES[0])
     assert env.spec is not None
     again = gym.make(EnvSpec.from_json(env.spec.to_json()))
-    first, second = (e.reset(seed=1)[0] for e in (env, again))
-    assert all(np.array_equal(first[key], second[key]) for key in first)
-    assert first["scan"].max() < 32.0
+    first, second = (e.reset(seed=1)[0]["scan"] for e in (env, again))
+    assert np.array_equal(first, second)
 
 
 @pytest.mark.parametrize(

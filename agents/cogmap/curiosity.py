@@ -55,35 +55,44 @@ def open_gaps(
 
 
 def dim_walls(
-    dim: Segments, view: View, pose: Pose, laser: LaserSpec, book: Book, params: Curiosity
-) -> Segments:
+    dim: Segments, lit: Points, view: View, pose: Pose, laser: LaserSpec, params: Curiosity
+) -> tuple[Segments, Points]:
     """Pieces of wall seen only by beams so far apart that a doorway could lie between.
 
     Args:
-        dim: (D, 2, 2) in the MFIS, from earlier views of this stay, free space on the left.
+        dim: (D, 2, 2) in the MFIS, from earlier views of this place, free space on the left.
+        lit: (L, 2) in the MFIS, middles of pieces once seen densely.
         view: the view.
         pose: ``mfis_from_robot``.
         laser: the laser.
-        book: exits; what lies behind one is another place's.
         params: distances.
 
     Returns:
-        (E, 2, 2) likewise.
+        The dim pieces (E, 2, 2) and the lit middles (M, 2), brought up to date.
     """
     pieces = _pieces(view.surfaces, params.piece)
-    sparse = pieces[_spacing(pieces, laser) > params.max_spacing]
-    new = pose.apply(sparse)
-    new = new[~seen_through_exit(book, pose.position, new.mean(axis=1), params.beside_exit)]
-    old = pose.inverse().apply(dim)
-    middle = old.mean(axis=1)
-    distance = np.hypot(middle[:, 0], middle[:, 1])
-    reach, covered = _beams_around(middle, distance, view, laser, params)
-    in_sight = covered & (reach > distance - params.open_radius)
-    dim = dim[~(in_sight & (_spacing(old, laser) <= params.max_spacing))]
-    for piece in new:
-        if not (np.hypot(*(dim.mean(axis=1) - piece.mean(axis=0)).T) < params.piece).any():
-            dim = np.concatenate((dim, piece[None]))
-    return dim
+    laid, dense = pose.apply(pieces), _spacing(pieces, laser) <= params.max_spacing
+    bright = midpoints(laid[dense])
+    lit = np.concatenate((lit, bright[~_near(bright, lit, 0.5 * params.piece)]))
+    together = np.concatenate((dim, laid[~dense]))
+    old = _nearly(together, len(dim), params.piece)
+    dark = ~_near(midpoints(together), lit, params.piece) & old
+    return together[dark], lit
+
+
+def _near(points: Points, others: Points, distance: float) -> Bools:
+    """Which points (P, 2) are nearer than ``distance`` to any of the others (Q, 2), (P,)."""
+    gap = points[:, None] - others[None]
+    squared = (gap**2).sum(axis=-1)
+    return np.asarray((squared < distance**2).any(axis=1))
+
+
+def _nearly(pieces: Segments, kept: int, apart: float) -> Bools:
+    """The first ``kept`` pieces, and those of the rest that are not near one of them, (P,)."""
+    middle = midpoints(pieces)
+    out = np.ones(len(pieces), dtype=np.bool_)
+    out[kept:] = ~_near(middle[kept:], middle[:kept], apart)
+    return out
 
 
 def wall_pieces(surfaces: Segments, params: Curiosity) -> Segments:

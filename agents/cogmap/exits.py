@@ -31,6 +31,8 @@ class Exit:
     """Step of the last crossing, or -1."""
     failures: int = 0
     """How often the robot gave up reaching it since it was last crossed."""
+    given_up: int = -1
+    """Step at which the robot last gave up reaching it, -1 once it is seen open or crossed."""
     seam: bool = False
     """Whether the parts of the MFIS on its two sides drifted apart on the way round."""
 
@@ -133,6 +135,12 @@ def _about(book: Book, points: Points, reach: float) -> list[Exit]:
 def replace_exit(book: Book, changed: Exit) -> Book:
     """The book with one exit changed."""
     return (*book[: changed.id - 1], changed, *book[changed.id :])
+
+
+def give_up_exit(book: Book, exit_id: int, step: int, times: int) -> Book:
+    """The book with this exit given up, as after so many failures."""
+    known = book[exit_id - 1]
+    return replace_exit(book, replace(known, failures=known.failures + times, given_up=step))
 
 
 def try_again(book: Book, place: int) -> Book:

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.cogmap.driving import Action, drive_before, drive_through, drive_to, turn
-from agents.cogmap.exits import Exit, try_again
+from agents.cogmap.driving import Action, doorway_is_clear, drive_before, drive_through, drive_to, turn
+from agents.cogmap.exits import Exit, give_up_exit, try_again
 from agents.cogmap.leads import way_to_leads
 from agents.cogmap.memory import CHECK, EXIT, GAP, LOOK, SPOT, Intent, Memory
 from agents.cogmap.params import Params
@@ -34,6 +34,7 @@ def explore(memory: Memory, view: View, robot: RobotSpec, params: Params) -> tup
         # Step 3
         if memory.intent is not None and memory.intent.steps > params.exploration.patience:
             memory = give_up(memory)
+        memory = _shut(memory, params)
         memory = _arrived(memory, params)
         intent = _valid(memory, params) or choose(memory, view, params)
         memory = replace(memory, intent=replace(intent, steps=intent.steps + 1))
@@ -43,6 +44,19 @@ def explore(memory: Memory, view: View, robot: RobotSpec, params: Params) -> tup
             return memory, action
         memory = give_up(memory)
     return memory, turn(robot.max_turn, robot)
+
+
+def _shut(memory: Memory, params: Params) -> Memory:
+    """Give up the exit in hand at once if something is seen to stand in it."""
+    intent = memory.intent
+    if intent is None or intent.kind != EXIT or not memory.stay.settled:
+        return memory
+    target = memory.exit(intent.exit)
+    if doorway_is_clear(memory, target, params):
+        return memory
+    times = params.exploration.max_failures
+    book = give_up_exit(memory.book, target.id, memory.mapping.step, times)
+    return replace(memory, book=book, intent=None)
 
 
 def _arrived(memory: Memory, params: Params) -> Memory:
@@ -66,7 +80,11 @@ def _valid(memory: Memory, params: Params) -> Intent | None:
         return None if stay.looked and stay.turned == 0.0 else intent
     if intent.kind == EXIT:
         target = memory.exit(intent.exit)
-        usable = target.trusted(params.exits) and target.side_of(stay.place) != 0
+        usable = (
+            target.trusted(params.exits)
+            and target.side_of(stay.place) != 0
+            and target.failures < params.exploration.max_failures
+        )
         return replace(intent, target=target.middle) if usable else None
     if intent.kind == SPOT:
         away = float(np.hypot(*(intent.target - memory.pose.position)))
@@ -210,9 +228,7 @@ def give_up(memory: Memory) -> Memory:
     intent = memory.intent
     assert intent is not None, "only an intent can be given up"
     if intent.kind in (EXIT, CHECK):
-        book = tuple(
-            replace(e, failures=e.failures + 1) if e.id == intent.exit else e for e in memory.book
-        )
+        book = give_up_exit(memory.book, intent.exit, memory.mapping.step, 1)
         return replace(memory, book=book, intent=None)
     if intent.kind == GAP:
         return replace(_without(memory, intent.target), intent=None)

@@ -17,8 +17,12 @@ def way_to_leads(memory: Memory, params: Params) -> Exit | None:
     Leads are exits never crossed, and gaps and walls left unexplored.
     """
     at, here = memory.pose.position, memory.stay.place
+    recent = memory.mapping.step - params.exploration.shut_for
     failed = frozenset(
-        e.id for e in memory.book if e.failures >= params.exploration.max_failures
+        e.id
+        for e in memory.book
+        if e.failures >= params.exploration.max_failures
+        or (e.given_up >= 0 and e.given_up > recent)
     )
     best: Route | None = None
     for place, spot in _spots(memory, params):

@@ -62,6 +62,8 @@ class Stay:
     """(G, 2, 2) in the MFIS: gaps not yet explored, what they hide on the right."""
     dim: Segments = field(default_factory=lambda: NO_SEGMENTS)
     """(D, 2, 2) in the MFIS: walls seen too sparsely to show a door."""
+    lit: Points = field(default_factory=lambda: NO_POINTS)
+    """(L, 2) in the MFIS: walls once seen densely."""
     done: Points = field(default_factory=lambda: NO_POINTS)
     """(K, 2) in the MFIS: targets reached or given up in this stay."""
     search: Segments = field(default_factory=lambda: NO_SEGMENTS)

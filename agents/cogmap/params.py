@@ -292,6 +292,8 @@ class Exploration:
     """Beams are cut at this length to find the middle of a space [m]. Ours: rooms of 8 m."""
     patience: int = 12
     """Steps after which a target not reached is given up [1]. Ours: three times the usual."""
+    shut_for: int = 200
+    """Steps for which an exit found shut is no way to leads [1]. Ours: a lap is half of that."""
     max_failures: int = 2
     """An exit given up as often is left alone [1]. Ours: deadlocks."""
     literal: bool = False
@@ -304,6 +306,8 @@ class Curiosity:
 
     visited: float = 1.2
     """A gap the robot came as near to is explored [m]. Ours: what it hid is then in view."""
+    outside: float = 0.5
+    """What lies farther outside a place's boundary is not its own [m]. Ours: rough boundaries."""
     behind: float = 0.3
     """A gap seen from so far behind it hides nothing [m]. Ours: what it hid is in view."""
     open_radius: float = 0.5

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import shapely
 
 from agents.cogmap.asr import ASR, compute_asr
 from agents.cogmap.exits import NOWHERE, Exit, crossed_exit, replace_exit, try_again
@@ -12,7 +13,7 @@ from agents.cogmap.memory import Leads, Memory, Stay
 from agents.cogmap.mfis import UNTAGGED, tag
 from agents.cogmap.params import Params
 from agents.cogmap.places import exits_of
-from cogmap_gym.geometry import NO_SEGMENTS, segments_cross
+from cogmap_gym.geometry import NO_SEGMENTS, Segments, midpoints, segments_cross
 
 
 def notice_crossing(memory: Memory, params: Params) -> Exit | None:
@@ -41,9 +42,9 @@ def leave(memory: Memory, crossed: Exit, params: Params) -> Memory:
     on_left = _came_from_left(memory, crossed, started_left)
     left, right = (stay.place, ahead) if on_left else (ahead, stay.place)
     step = memory.mapping.step
-    entered = replace(crossed, left=left, right=right, crossed=step, failures=0)
+    entered = replace(crossed, left=left, right=right, crossed=step, failures=0, given_up=-1)
     departures = tuple(d for d in memory.departures if d[0] != stay.place)
-    own = Leads(stay.place, stay.gaps, stay.dim, stay.done)
+    own = _left_open(memory, params)
     left_open = memory.leads_of(ahead)
     return replace(
         memory,
@@ -66,6 +67,22 @@ def leave(memory: Memory, crossed: Exit, params: Params) -> Memory:
         intent=None,
         route=_shortened(memory.route, crossed.id),
     )
+
+
+def _left_open(memory: Memory, params: Params) -> Leads:
+    """What is left unexplored in the place just left: what lies inside its boundary."""
+    stay = memory.stay
+    asr = memory.network.asr(stay.place)
+    if asr is None or not asr.closed:
+        return Leads(stay.place, stay.gaps, stay.dim, stay.done)
+    polygon = shapely.Polygon(asr.boundary)
+    shapely.prepare(polygon)
+
+    def inside(pieces: Segments) -> Segments:
+        gap = shapely.distance(polygon, shapely.points(midpoints(pieces)))
+        return pieces[gap < params.curiosity.outside]
+
+    return Leads(stay.place, inside(stay.gaps), inside(stay.dim), stay.done)
 
 
 def _came_from_left(memory: Memory, crossed: Exit, started_left: bool) -> bool:

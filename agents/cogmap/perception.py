@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from agents.cogmap.association import Beams
 from agents.cogmap.bounded_space import Openings
 from agents.cogmap.curiosity import dim_walls, not_yet_squarely, open_gaps
-from agents.cogmap.exits import remember_exits, remember_passages
+from agents.cogmap.exits import Book, remember_exits, remember_passages, seen_through_exit
 from agents.cogmap.mapper import update
-from agents.cogmap.memory import Memory
+from agents.cogmap.memory import Memory, Stay
 from agents.cogmap.mfis import FORGOTTEN, UNTAGGED, Edit
 from agents.cogmap.obstacles import remember_obstacles
 from agents.cogmap.params import Params
 from agents.cogmap.passages import passages
 from agents.cogmap.places import seen_from
 from agents.cogmap.view import View
-from cogmap_gym.geometry import Pose
+from cogmap_gym.geometry import NO_SEGMENTS, Pose, Segments, midpoints
 from cogmap_gym.observation import LaserSpec
 
 
@@ -58,13 +58,10 @@ def perceive(
         gone_through = passages(path, obstacles, params.passages)
         book = remember_passages(book, gone_through, memory.stay.place, params.exits)
     stay = replace(
-        memory.stay,
+        _curious(memory.stay, view, seen, pose, laser, book, params),
         path=path,
         beams=(*memory.stay.beams, _beams(view, pose))[-params.association.views :],
         views=memory.stay.views + 1,
-        gaps=open_gaps(memory.stay.gaps, seen, view, pose, laser, book, params.curiosity),
-        search=not_yet_squarely(memory.stay.search, view, pose, laser, params.curiosity),
-        dim=dim_walls(memory.stay.dim, view, pose, laser, book, params.curiosity),
     )
     return (
         replace(
@@ -78,6 +75,42 @@ def perceive(
         ),
         edits,
     )
+
+
+def _curious(
+    stay: Stay,
+    view: View,
+    seen: Openings,
+    pose: Pose,
+    laser: LaserSpec,
+    book: Book,
+    params: Params,
+) -> Stay:
+    """The stay with what the place still hides brought up to date.
+
+    In a place already in the network nothing new is looked for, only what was left there.
+    """
+    p = params.curiosity
+    new = seen if not stay.known else replace(seen, gaps=NO_SEGMENTS)
+    dim, lit = dim_walls(stay.dim, stay.lit, view, pose, laser, p)
+    if not stay.known:
+        apart = seen_through_exit(book, pose.position, midpoints(dim), p.beside_exit)
+        dim = dim[~apart]
+    else:
+        dim = dim[_still(stay.dim, dim)]
+    return replace(
+        stay,
+        gaps=open_gaps(stay.gaps, new, view, pose, laser, book, p),
+        dim=dim,
+        lit=lit,
+        search=not_yet_squarely(stay.search, view, pose, laser, p),
+    )
+
+
+def _still(old: Segments, new: Segments) -> NDArray[np.bool_]:
+    """Which of the new pieces (N, 2, 2) are among the old, (N,)."""
+    same = (new[:, None] == old[None]).all(axis=(2, 3))
+    return np.asarray(same.any(axis=1))
 
 
 def _allowed(memory: Memory, params: Params) -> NDArray[np.bool_]:
