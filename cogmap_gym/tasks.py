@@ -21,10 +21,10 @@ from cogmap_gym.body import Motion
 from cogmap_gym.coverage import Coverage
 from cogmap_gym.events import EventQueue
 from cogmap_gym.geometry import Pose
-from cogmap_gym.learning_walk import learning_length
 from cogmap_gym.observation import MARKS, LaserSpec
 from cogmap_gym.phases import MARK_GAP_M, Course, Phase, PhaseResult
 from cogmap_gym.routes import Routes
+from cogmap_gym.scores import SCORES, path_share, shortest_lengths
 from cogmap_gym.trail import Trail
 from cogmap_gym.world import World
 
@@ -36,17 +36,6 @@ STEP_REWARD = -0.01
 """For each step [-]."""
 HOME = 1
 """The mark of home."""
-SCORES = (
-    *("success", "spl", "final_distance", "oracle_length"),
-    *("spl_learning", "learning_length"),
-)
-"""The arrays by mark in ``info``. ``success[0]`` is that of the last finished phase of goal 0.
-Of a mark that was a goal more than once, the last finished phase counts. ``final_distance``
-is the straight distance to the mark [m]. Both lengths [m] are from where the goal was given:
-``oracle_length`` that of the shortest way for one who knows all events of the phase,
-``learning_length`` that of the shortest walk that learns of a block only on seeing it
-(``learning_walk``). ``spl`` and ``spl_learning`` are
-success weighted by each length over the length driven, at most 1. -1: not finished, no route."""
 
 
 class Task:
@@ -215,8 +204,8 @@ class Task:
         if goal:
             scores["oracle_length"][goal], scores["learning_length"][goal] = oracle, learning
             scores["final_distance"][goal] = self._pose.distance(self._marks[goal])
-            scores["spl"][goal] = _path_share(oracle, driven, success=success)
-            scores["spl_learning"][goal] = _path_share(learning, driven, success=success)
+            scores["spl"][goal] = path_share(oracle, driven, success=success)
+            scores["spl_learning"][goal] = path_share(learning, driven, success=success)
         self._queue.call(phase.closing)
         self._begin()
 
@@ -234,28 +223,6 @@ class Task:
             self._phases = (*self._phases[:done], phase, *self._phases[done + 1 :])
         self._queue.expect(() if phase is None else phase.events)
         if phase is not None and phase.goal:
-            self._lengths = self._shortest(self._marks[phase.goal])
+            mark, far = self._marks[phase.goal], self._range_max
+            self._lengths = shortest_lengths(self._world, self._routes, self._queue, mark, far)
         self._events = self._queue.fire(self._trail.rooms)
-
-    def _shortest(self, mark: Pose) -> tuple[float, float]:
-        """The lengths to a mark for one who knows what will happen, and for one who learns [m].
-
-        -1 where there is no way. To be asked before the first events of the phase fire.
-        """
-        routes = self._routes
-        oracle = learning = routes.distance(self._pose, mark, self._queue.outcome())
-        if self._queue.pending:
-            learning = learning_length(self._world, routes, self._queue, mark, self._range_max)
-        return _finite(min(oracle, learning)), _finite(learning)
-
-
-def _finite(length: float) -> float:
-    """A length as ``info`` tells it: -1 for none."""
-    return length if math.isfinite(length) else -1.0
-
-
-def _path_share(shortest: float, driven: float, *, success: bool) -> float:
-    """Success weighted by path length; -1 where no way was there."""
-    if shortest < 0.0:
-        return -1.0
-    return float(success) * (shortest / max(shortest, driven) if driven > 0.0 else 1.0)

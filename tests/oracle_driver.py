@@ -94,7 +94,7 @@ class Driver:
     def explore(self, rooms: tuple[str, ...]) -> None:
         """Visit rooms in turn and look round in each, until the phase is over.
 
-        Where that is not enough, turn on the spot until the budget runs out.
+        Where that is not enough, go home and turn there until the budget runs out.
         """
         phase = len(self.task.results)
 
@@ -104,6 +104,7 @@ class Driver:
         for room in rooms:
             self.go(middle(self.env.plan, room), done)
             self.look_round(done)
+        self.go(self.env.plan.home, done)
         for _ in range(3000):
             if self.over or done():
                 return

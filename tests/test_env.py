@@ -24,7 +24,7 @@ import cogmap_gym
 from agents.rollout import run_episode
 from cogmap_gym import FloorPlan, LaserSpec, OdometrySpec, RobotSpec
 from cogmap_gym.env import CogMapEnv
-from cogmap_gym.tasks import SCORES
+from cogmap_gym.scores import SCORES
 from cogmap_gym.wrappers import TruePose
 
 CASES = [

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.cogmap.bounded_space import Openings
 from agents.cogmap.exits import Book, seen_through_exit
 from agents.cogmap.params import Curiosity
 from agents.cogmap.view import View
@@ -17,7 +16,7 @@ Bools = NDArray[np.bool_]
 
 def open_gaps(
     gaps: Segments,
-    seen: Openings,
+    seen: Segments,
     view: View,
     pose: Pose,
     laser: LaserSpec,
@@ -28,7 +27,7 @@ def open_gaps(
 
     Args:
         gaps: (G, 2, 2) in the MFIS, from earlier views of this place, what they hide on the right.
-        seen: gaps of the view, in the robot's frame.
+        seen: (N, 2, 2) gaps of the view, in the robot's frame.
         view: the view.
         pose: ``mfis_from_robot``.
         laser: the laser.
@@ -39,7 +38,7 @@ def open_gaps(
         (H, 2, 2): without those that the robot was near, those around which all is seen to be
         open, and those that it sees from behind.
     """
-    new = pose.apply(seen.gaps)
+    new = pose.apply(seen)
     new = new[~seen_through_exit(book, pose.position, midpoints(new), params.beside_exit)]
     in_robot = pose.inverse().apply(gaps)
     middle = midpoints(in_robot)
@@ -126,7 +125,7 @@ def not_yet_squarely(
     bearing = np.arctan2(middle[:, 1], middle[:, 0])
     last = laser.first_angle + laser.step * (laser.beams - 1)
     square = (sine > params.square_sine) & (distance < params.square_reach)
-    return pieces[~(square & (bearing > laser.first_angle) & (bearing < last))]
+    return np.asarray(pieces[~(square & (bearing > laser.first_angle) & (bearing < last))])
 
 
 def _pieces(surfaces: Segments, size: float) -> Segments:

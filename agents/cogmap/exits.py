@@ -91,6 +91,13 @@ def remember_exits(
     return book
 
 
+def in_doorway(book: Book, robot: Points, params: Exits) -> bool:
+    """Whether the robot (2,) stands in an exit, where it sees two places at once."""
+    return any(
+        e.trusted(params) and float(np.hypot(*(e.middle - robot))) < params.doorway for e in book
+    )
+
+
 def remember_passages(book: Book, lines: Segments, here: int, params: Exits) -> Book:
     """Make exits of doorways (K, 2, 2) in the MFIS that were gone through from ASR ``here``."""
     for line in lines:

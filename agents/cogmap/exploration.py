@@ -7,7 +7,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.cogmap.driving import Action, doorway_is_clear, drive_before, drive_through, drive_to, turn
+from agents.cogmap.driving import (
+    Action,
+    doorway_is_clear,
+    drive_before,
+    drive_through,
+    drive_to,
+    turn,
+)
 from agents.cogmap.exits import Exit, give_up_exit, try_again
 from agents.cogmap.leads import way_to_leads
 from agents.cogmap.memory import CHECK, EXIT, GAP, LOOK, SPOT, Intent, Memory
@@ -16,6 +23,7 @@ from agents.cogmap.places import exits_of
 from agents.cogmap.view import View
 from cogmap_gym.geometry import Points, midpoints
 from cogmap_gym.observation import RobotSpec
+
 
 def explore(memory: Memory, view: View, robot: RobotSpec, params: Params) -> tuple[Memory, Action]:
     """Algorithm 1: autonomous exploration.

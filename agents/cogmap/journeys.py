@@ -66,7 +66,9 @@ def _on_the_way(memory: Memory, mark: Mark, params: Params) -> Memory:
     shut = {
         e.id
         for e in exits_of(memory.book, memory.stay.place)
-        if memory.stay.settled and e.trusted(params.exits) and not doorway_is_clear(memory, e, params)
+        if memory.stay.settled
+        and e.trusted(params.exits)
+        and not doorway_is_clear(memory, e, params)
     }
     return replace(memory, journey=replace(journey, blocked=journey.blocked | shut))
 

@@ -52,7 +52,7 @@ def _within(points: Points, stretch: Segments, far: float) -> Points:
     low, high = stretch.min(axis=(0, 1)) - far, stretch.max(axis=(0, 1)) + far
     boxed = (points >= low) & (points <= high)
     points = points[boxed[:, 0] & boxed[:, 1]]
-    return points[point_segment_distances(points, stretch).min(axis=1) < far]
+    return np.asarray(points[point_segment_distances(points, stretch).min(axis=1) < far])
 
 
 def _stations(path: Points, params: Passages) -> tuple[Points, Floats]:

@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 
 from agents.cogmap.asr import ASR, compute_asr
-from agents.cogmap.exits import NOWHERE, Exit, crossed_exit, replace_exit, try_again
-from agents.cogmap.memory import Leads, Memory, Stay
+from agents.cogmap.exits import NOWHERE, Book, Exit, crossed_exit, replace_exit, try_again
+from agents.cogmap.memory import CHECK, EXIT, GAP, Leads, Memory, Stay
 from agents.cogmap.mfis import UNTAGGED, tag
 from agents.cogmap.params import Params
 from agents.cogmap.places import exits_of
@@ -50,7 +50,7 @@ def leave(memory: Memory, crossed: Exit, params: Params) -> Memory:
         memory,
         leads=(*(x for x in memory.leads if x.place not in (stay.place, ahead)), own),
         network=network,
-        book=try_again(replace_exit(memory.book, entered), ahead),
+        book=_beyond_it(try_again(replace_exit(memory.book, entered), ahead), memory, ahead),
         stay=Stay(
             ahead,
             known,
@@ -69,12 +69,28 @@ def leave(memory: Memory, crossed: Exit, params: Params) -> Memory:
     )
 
 
+def _beyond_it(book: Book, memory: Memory, ahead: int) -> Book:
+    """The book with the exit the robot was after put beyond the one its way led through."""
+    intent, place = memory.intent, memory.stay.place
+    if intent is None or intent.kind not in (EXIT, CHECK):
+        return book
+    wanted = book[intent.exit - 1]
+    if wanted.crossed >= 0 or wanted.side_of(place) == 0:
+        return book
+    left = ahead if wanted.left == place else wanted.left
+    right = ahead if wanted.right == place else wanted.right
+    return replace_exit(book, replace(wanted, left=left, right=right))
+
+
 def _left_open(memory: Memory, params: Params) -> Leads:
     """What is left unexplored in the place just left: what lies inside its boundary."""
-    stay = memory.stay
+    stay, intent = memory.stay, memory.intent
     asr = memory.network.asr(stay.place)
+    done = stay.done
+    if intent is not None and intent.kind == GAP:  # its way led out of the place
+        done = np.concatenate((done, intent.target[None]))
     if asr is None or not asr.closed:
-        return Leads(stay.place, stay.gaps, stay.dim, stay.done)
+        return Leads(stay.place, stay.gaps, stay.dim, done)
     polygon = shapely.Polygon(asr.boundary)
     shapely.prepare(polygon)
 
@@ -82,7 +98,7 @@ def _left_open(memory: Memory, params: Params) -> Leads:
         gap = shapely.distance(polygon, shapely.points(midpoints(pieces)))
         return pieces[gap < params.curiosity.outside]
 
-    return Leads(stay.place, inside(stay.gaps), inside(stay.dim), stay.done)
+    return Leads(stay.place, inside(stay.gaps), inside(stay.dim), done)
 
 
 def _came_from_left(memory: Memory, crossed: Exit, started_left: bool) -> bool:

@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 from agents.cogmap.association import Beams
 from agents.cogmap.bounded_space import Openings
 from agents.cogmap.curiosity import dim_walls, not_yet_squarely, open_gaps
-from agents.cogmap.exits import Book, remember_exits, remember_passages, seen_through_exit
+from agents.cogmap.exits import (
+    Book,
+    in_doorway,
+    remember_exits,
+    remember_passages,
+    seen_through_exit,
+)
 from agents.cogmap.mapper import update
 from agents.cogmap.memory import Memory, Stay
 from agents.cogmap.mfis import FORGOTTEN, UNTAGGED, Edit
@@ -49,7 +55,8 @@ def perceive(
     pose = mapping.mfis_from_robot
     obstacles = remember_obstacles(memory.obstacles, view.points, pose, laser, params.obstacles)
     book = memory.book
-    if memory.stay.settled or not memory.stay.known:
+    between = in_doorway(book, pose.position, params.exits)
+    if not between and (memory.stay.settled or not memory.stay.known):
         found = pose.apply(seen.exits)
         book = remember_exits(book, found, memory.stay.place, pose, params.exits)
     here = np.array([[pose.x, pose.y]])
@@ -58,7 +65,7 @@ def perceive(
         gone_through = passages(path, obstacles, params.passages)
         book = remember_passages(book, gone_through, memory.stay.place, params.exits)
     stay = replace(
-        _curious(memory.stay, view, seen, pose, laser, book, params),
+        _curious(memory.stay, view, None if between else seen, pose, laser, book, params),
         path=path,
         beams=(*memory.stay.beams, _beams(view, pose))[-params.association.views :],
         views=memory.stay.views + 1,
@@ -80,7 +87,7 @@ def perceive(
 def _curious(
     stay: Stay,
     view: View,
-    seen: Openings,
+    seen: Openings | None,
     pose: Pose,
     laser: LaserSpec,
     book: Book,
@@ -88,12 +95,13 @@ def _curious(
 ) -> Stay:
     """The stay with what the place still hides brought up to date.
 
-    In a place already in the network nothing new is looked for, only what was left there.
+    In a place already in the network, and in an exit, where ``seen`` is None, nothing new is
+    looked for, only what was left there.
     """
     p = params.curiosity
-    new = seen if not stay.known else replace(seen, gaps=NO_SEGMENTS)
+    new = NO_SEGMENTS if seen is None or stay.known else seen.gaps
     dim, lit = dim_walls(stay.dim, stay.lit, view, pose, laser, p)
-    if not stay.known:
+    if seen is not None and not stay.known:
         apart = seen_through_exit(book, pose.position, midpoints(dim), p.beside_exit)
         dim = dim[~apart]
     else:

@@ -94,7 +94,7 @@ def route(
                 if not graph.has_edge(a, b) or graph[a][b]["weight"] > length:
                     graph.add_edge(a, b, weight=length)
     try:
-        length, way = nx.single_source_dijkstra(graph, "start", "goal")
+        whole, way = nx.single_source_dijkstra(graph, "start", "goal")
     except (nx.NetworkXNoPath, nx.NodeNotFound):
         return None
-    return Route(tuple(n for n in way if isinstance(n, int)), float(length))
+    return Route(tuple(n for n in way if isinstance(n, int)), float(whole))
