@@ -63,7 +63,8 @@ def by_consensus(search: Search, params: Params) -> Located:
     if matched < p.search_below and search.recent.any():
         turned = _search_heading(search, p)
         other, share = _settle(search, turned, params)
-        if share > matched + p.search_gain:
+        swing = abs(math.remainder(turned.theta - search.predicted.theta, math.tau))
+        if share > matched + p.search_gain + p.search_caution * swing:
             pose, matched = other, share
     jump = pose.distance(search.predicted)
     turn = abs(math.remainder(pose.theta - search.predicted.theta, math.tau))

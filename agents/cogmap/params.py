@@ -104,10 +104,12 @@ class Frame:
     """A beam this near a surface ends on it [m]. Ours: FINDINGS 8."""
     search_below: float = 0.45
     """Share of matched beams below which headings are searched [1]. Ours: FINDINGS 8 c."""
-    search_range: float = 1.5708
-    """How far headings are searched to both sides [rad]. Ours: FINDINGS 8 c."""
+    search_range: float = 0.7
+    """How far headings are searched to both sides [rad]. Ours: at 90 deg rooms look alike."""
     search_step: float = 0.035
     """From one heading searched to the next [rad]. Ours: 2 degrees."""
+    search_caution: float = 0.4
+    """More gain asked for each radian of turn [1/rad]. Ours: rooms look alike when turned."""
     search_gain: float = 0.2
     """Gain of matched beams that makes a heading clear [1]. Ours: FINDINGS 8 c."""
     keep_odometry_below: float = 0.35
