@@ -56,7 +56,7 @@ def open_gaps(
 def dim_walls(
     dim: Segments, lit: Points, view: View, pose: Pose, laser: LaserSpec, params: Curiosity
 ) -> tuple[Segments, Points]:
-    """Pieces of wall seen only by beams so far apart that a doorway could lie between.
+    """Pieces of wall seen only sparsely or at a glance, where a doorway may go unnoticed.
 
     Args:
         dim: (D, 2, 2) in the MFIS, from earlier views of this place, free space on the left.
@@ -70,7 +70,8 @@ def dim_walls(
         The dim pieces (E, 2, 2) and the lit middles (M, 2), brought up to date.
     """
     pieces = _pieces(view.surfaces, params.piece)
-    laid, dense = pose.apply(pieces), _spacing(pieces, laser) <= params.max_spacing
+    laid = pose.apply(pieces)
+    dense = (_spacing(pieces, laser) <= params.max_spacing) & (_sine(pieces) > params.lit_sine)
     bright = midpoints(laid[dense])
     lit = np.concatenate((lit, bright[~_near(bright, lit, 0.5 * params.piece)]))
     together = np.concatenate((dim, laid[~dense]))
@@ -99,14 +100,11 @@ def wall_pieces(surfaces: Segments, params: Curiosity) -> Segments:
     return _pieces(surfaces, params.piece)
 
 
-def not_yet_squarely(
-    pieces: Segments, view: View, pose: Pose, laser: LaserSpec, params: Curiosity
-) -> Segments:
-    """Pieces of wall that this view does not show squarely enough to see a door open in them.
+def not_yet_squarely(pieces: Segments, pose: Pose, laser: LaserSpec, params: Curiosity) -> Segments:
+    """Pieces of wall not seen squarely enough from here to see a door open in them.
 
     Args:
         pieces: (P, 2, 2) in the MFIS, free space on the left.
-        view: the view.
         pose: ``mfis_from_robot``.
         laser: the laser.
         params: distances and angles.
@@ -119,12 +117,9 @@ def not_yet_squarely(
     seen = pose.inverse().apply(pieces)
     middle = seen.mean(axis=1)
     distance = np.hypot(middle[:, 0], middle[:, 1])
-    d = seen[:, 1] - seen[:, 0]
-    across = np.abs(d[:, 0] * middle[:, 1] - d[:, 1] * middle[:, 0])
-    sine = across / np.maximum(np.hypot(d[:, 0], d[:, 1]) * distance, 1e-9)
     bearing = np.arctan2(middle[:, 1], middle[:, 0])
     last = laser.first_angle + laser.step * (laser.beams - 1)
-    square = (sine > params.square_sine) & (distance < params.square_reach)
+    square = (_sine(seen) > params.square_sine) & (distance < params.square_reach)
     return np.asarray(pieces[~(square & (bearing > laser.first_angle) & (bearing < last))])
 
 
@@ -136,6 +131,13 @@ def _pieces(surfaces: Segments, size: float) -> Segments:
     along = surfaces[rows, 1] - surfaces[rows, 0]
     ends = np.stack((k / counts[rows], (k + 1) / counts[rows]), axis=-1)
     return np.asarray(surfaces[rows, :1] + ends[..., None] * along[:, None])
+
+
+def _sine(pieces: Segments) -> NDArray[np.float64]:
+    """Sine of the angle between each piece and the sight from the robot to its middle, (P,)."""
+    middle, d = midpoints(pieces), pieces[:, 1] - pieces[:, 0]
+    size = np.hypot(d[:, 0], d[:, 1]) * np.hypot(middle[:, 0], middle[:, 1])
+    return np.asarray(np.abs(cross(d, middle)) / np.maximum(size, 1e-9))
 
 
 def _spacing(pieces: Segments, laser: LaserSpec) -> NDArray[np.float64]:

@@ -96,7 +96,7 @@ def _left_open(memory: Memory, params: Params) -> Leads:
 
     def inside(pieces: Segments) -> Segments:
         gap = shapely.distance(polygon, shapely.points(midpoints(pieces)))
-        return pieces[gap < params.curiosity.outside]
+        return np.asarray(pieces[gap < params.curiosity.outside])
 
     return Leads(stay.place, inside(stay.gaps), inside(stay.dim), done)
 

@@ -111,7 +111,7 @@ def _curious(
         gaps=open_gaps(stay.gaps, new, view, pose, laser, book, p),
         dim=dim,
         lit=lit,
-        search=not_yet_squarely(stay.search, view, pose, laser, p),
+        search=not_yet_squarely(stay.search, pose, laser, p),
     )
 
 

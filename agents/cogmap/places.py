@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import networkx as nx
 import numpy as np
@@ -94,7 +95,8 @@ def route(
                 if not graph.has_edge(a, b) or graph[a][b]["weight"] > length:
                     graph.add_edge(a, b, weight=length)
     try:
-        whole, way = nx.single_source_dijkstra(graph, "start", "goal")
+        way = nx.dijkstra_path(graph, "start", "goal")
     except (nx.NetworkXNoPath, nx.NodeNotFound):
         return None
+    whole = sum(graph[a][b]["weight"] for a, b in pairwise(way))
     return Route(tuple(n for n in way if isinstance(n, int)), float(whole))
