@@ -101,11 +101,12 @@ def _curious(
     p = params.curiosity
     new = NO_SEGMENTS if seen is None or stay.known else seen.gaps
     dim, lit = dim_walls(stay.dim, stay.lit, view, pose, laser, p)
-    if seen is not None and not stay.known:
-        apart = seen_through_exit(book, pose.position, midpoints(dim), p.beside_exit)
-        dim = dim[~apart]
+    old = _still(stay.dim, dim)
+    if seen is None or stay.known:
+        dim = dim[old]
     else:
-        dim = dim[_still(stay.dim, dim)]
+        apart = seen_through_exit(book, pose.position, midpoints(dim), p.beside_exit)
+        dim = dim[old | ~apart]
     return replace(
         stay,
         gaps=open_gaps(stay.gaps, new, view, pose, laser, book, p),
