@@ -125,13 +125,14 @@ def point_segment_distances(points: Points, segments: Segments) -> Array:
     Returns:
         (P, N), metres.
     """
-    start = segments[None, :, 0]
-    along = segments[None, :, 1] - start
-    to_point = points[:, None] - start
-    squared = (along**2).sum(-1)
-    t = (to_point * along).sum(-1) / np.where(squared > 0.0, squared, 1.0)
-    gap = to_point - np.clip(t, 0.0, 1.0)[..., None] * along
-    return np.asarray(np.hypot(gap[..., 0], gap[..., 1]))
+    # Coordinate by coordinate: sums over an axis of two cost three times as much.
+    ax, ay = segments[:, 0, 0], segments[:, 0, 1]
+    ux, uy = segments[:, 1, 0] - ax, segments[:, 1, 1] - ay
+    dx, dy = points[:, :1] - ax, points[:, 1:] - ay
+    squared = ux**2 + uy**2
+    t = (dx * ux + dy * uy) / np.where(squared > 0.0, squared, 1.0)
+    t = np.clip(t, 0.0, 1.0)
+    return np.asarray(np.hypot(dx - t * ux, dy - t * uy))
 
 
 def segments_cross(a: Segments, b: Segments) -> NDArray[np.bool_]:

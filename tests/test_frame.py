@@ -222,7 +222,7 @@ def test_a_second_view_finds_its_place_in_the_first_to_a_centimetre(plan) -> Non
 def test_a_turn_that_the_odometry_missed_is_found_by_searching_headings() -> None:
     walls, at = solid(l_room()), Pose(1.5, 1.5, 0.3)
     last, _ = update(BLANK, view_of(walls, at), Pose(), Params())
-    turned = Pose(0.0, 0.0, 0.9)
+    turned = Pose(0.0, 0.0, 0.6)
     now, _ = update(last, view_of(walls, at @ turned), Pose(), Params())
     assert same(now.mfis_from_robot, turned, 0.05, 0.02)
 

@@ -93,9 +93,13 @@ def remember_exits(
 
 def in_doorway(book: Book, robot: Points, params: Exits) -> bool:
     """Whether the robot (2,) stands in an exit, where it sees two places at once."""
-    return any(
-        e.trusted(params) and float(np.hypot(*(e.middle - robot))) < params.doorway for e in book
-    )
+    for e in book:
+        d = e.line[1] - e.line[0]
+        along = abs(float((robot - e.middle) @ d)) / float(d @ d)
+        beside = abs(float((robot - e.middle) @ e.normal))
+        if e.trusted(params) and along < 0.5 and beside < params.doorway:
+            return True
+    return False
 
 
 def remember_passages(book: Book, lines: Segments, here: int, params: Exits) -> Book:

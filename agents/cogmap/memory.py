@@ -83,6 +83,8 @@ class Leads:
     """(D, 2, 2) in the MFIS."""
     done: Points
     """(K, 2) in the MFIS: targets reached or given up."""
+    visits: int = 0
+    """How often the place was left."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

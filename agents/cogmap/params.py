@@ -174,8 +174,8 @@ class Exits:
     """Weight of a far sighting against what was known [1]. Ours: far ones are 0.1 m off."""
     beyond: float = 0.35
     """A crossing is complete so far beyond the line [m]. Ours: FINDINGS 2, 144 of 144 noticed."""
-    doorway: float = 0.7
-    """Nearer than this to its middle the robot stands in the exit [m]. Ours: body and wall."""
+    doorway: float = 0.45
+    """Between the jambs and nearer to the line, it stands in the exit [m]. Ours: body and wall."""
     slack: float = 0.2
     """A path this much beside an exit's end still crosses it [m]. Ours: jambs are seen late."""
 
@@ -314,6 +314,8 @@ class Curiosity:
     """What lies farther outside a place's boundary is not its own [m]. Ours: rough boundaries."""
     behind: float = 0.3
     """A gap seen from so far behind it hides nothing [m]. Ours: what it hid is in view."""
+    max_visits: int = 6
+    """After as many visits what a place hides is let be [1]. Ours: no running to and fro."""
     open_radius: float = 0.5
     """A gap all of whose surroundings so far are seen to be open is no gap [m]. Ours: a body."""
     max_spacing: float = 0.25
@@ -323,7 +325,7 @@ class Curiosity:
     beside_exit: float = 0.3
     """Sights this far beside an exit still go through it [m]. Ours: jambs and noise."""
     lit_sine: float = 0.3
-    """Walls seen more flatly may hide a doorway, sine of the angle [1]. Ours: 73 deg of incidence."""
+    """Walls seen more flatly may hide a doorway, sine of the angle [1]. Ours: 73 deg."""
     square_sine: float = 0.5
     """A wall is seen squarely up to 60 degrees from its normal [1]. Ours: 95 % of doors found."""
     square_reach: float = 5.0

@@ -48,7 +48,7 @@ def leave(memory: Memory, crossed: Exit, params: Params) -> Memory:
     left_open = memory.leads_of(ahead)
     return replace(
         memory,
-        leads=(*(x for x in memory.leads if x.place not in (stay.place, ahead)), own),
+        leads=(*(x for x in memory.leads if x.place != stay.place), own),
         network=network,
         book=_beyond_it(try_again(replace_exit(memory.book, entered), ahead), memory, ahead),
         stay=Stay(
@@ -79,7 +79,8 @@ def _beyond_it(book: Book, memory: Memory, ahead: int) -> Book:
         return book
     left = ahead if wanted.left == place else wanted.left
     right = ahead if wanted.right == place else wanted.right
-    return replace_exit(book, replace(wanted, left=left, right=right))
+    changed = replace(wanted, left=left, right=right, failures=wanted.failures + 1)
+    return replace_exit(book, changed)
 
 
 def _left_open(memory: Memory, params: Params) -> Leads:
@@ -89,8 +90,11 @@ def _left_open(memory: Memory, params: Params) -> Leads:
     done = stay.done
     if intent is not None and intent.kind == GAP:  # its way led out of the place
         done = np.concatenate((done, intent.target[None]))
+    visits = memory.leads_of(stay.place).visits + 1
+    if visits > params.curiosity.max_visits:
+        return Leads(stay.place, stay.gaps[:0], stay.dim[:0], done, visits)
     if asr is None or not asr.closed:
-        return Leads(stay.place, stay.gaps, stay.dim, done)
+        return Leads(stay.place, stay.gaps, stay.dim, done, visits)
     polygon = shapely.Polygon(asr.boundary)
     shapely.prepare(polygon)
 
@@ -98,7 +102,7 @@ def _left_open(memory: Memory, params: Params) -> Leads:
         gap = shapely.distance(polygon, shapely.points(midpoints(pieces)))
         return np.asarray(pieces[gap < params.curiosity.outside])
 
-    return Leads(stay.place, inside(stay.gaps), inside(stay.dim), done)
+    return Leads(stay.place, inside(stay.gaps), inside(stay.dim), done, visits)
 
 
 def _came_from_left(memory: Memory, crossed: Exit, started_left: bool) -> bool:

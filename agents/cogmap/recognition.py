@@ -183,7 +183,6 @@ def _accept(memory: Memory, hypothesis: Hypothesis, params: Params) -> Memory:
             dim=left_open.dim,
             done=left_open.done,
         ),
-        leads=tuple(x for x in memory.leads if x.place != place),
         intent=None,
         status=f"recognised {place}",
     )
