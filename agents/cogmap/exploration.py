@@ -40,7 +40,7 @@ def explore(memory: Memory, view: View, robot: RobotSpec, params: Params) -> tup
     """
     for _ in range(params.exploration.patience):
         # Step 3
-        if memory.intent is not None and memory.intent.steps > params.exploration.patience:
+        if memory.intent is not None and memory.intent.steps > _patience(memory.intent, params):
             memory = give_up(memory)
         memory = _shut(memory, params)
         memory = _arrived(memory, params)
@@ -52,6 +52,12 @@ def explore(memory: Memory, view: View, robot: RobotSpec, params: Params) -> tup
             return memory, action
         memory = give_up(memory)
     return memory, turn(robot.max_turn, robot)
+
+
+def _patience(intent: Intent, params: Params) -> int:
+    """For how many steps an intent is followed."""
+    p = params.exploration
+    return p.exit_patience if intent.kind == EXIT else p.patience
 
 
 def _shut(memory: Memory, params: Params) -> Memory:

@@ -296,6 +296,8 @@ class Exploration:
     """Beams are cut at this length to find the middle of a space [m]. Ours: rooms of 8 m."""
     patience: int = 12
     """Steps after which a target not reached is given up [1]. Ours: three times the usual."""
+    exit_patience: int = 25
+    """The same for an exit across the place [1]. Ours: 13 steps cost a lap its direction."""
     shut_for: int = 200
     """Steps for which an exit found shut is no way to leads [1]. Ours: a lap is half of that."""
     max_failures: int = 2
@@ -314,6 +316,8 @@ class Curiosity:
     """What lies farther outside a place's boundary is not its own [m]. Ours: rough boundaries."""
     behind: float = 0.3
     """A gap seen from so far behind it hides nothing [m]. Ours: what it hid is in view."""
+    lead_width: float = 1.2
+    """Narrower gaps are not come back for [m]. Ours: what furniture hides is not worth a journey."""
     max_visits: int = 6
     """After as many visits what a place hides is let be [1]. Ours: no running to and fro."""
     open_radius: float = 0.5

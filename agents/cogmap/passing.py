@@ -13,7 +13,7 @@ from agents.cogmap.memory import CHECK, EXIT, GAP, Leads, Memory, Stay
 from agents.cogmap.mfis import UNTAGGED, tag
 from agents.cogmap.params import Params
 from agents.cogmap.places import exits_of
-from cogmap_gym.geometry import NO_SEGMENTS, Segments, midpoints, segments_cross
+from cogmap_gym.geometry import NO_SEGMENTS, Segments, lengths, midpoints, segments_cross
 
 
 def notice_crossing(memory: Memory, params: Params) -> Exit | None:
@@ -98,11 +98,13 @@ def _left_open(memory: Memory, params: Params) -> Leads:
     polygon = shapely.Polygon(asr.boundary)
     shapely.prepare(polygon)
 
+    wide = stay.gaps[lengths(stay.gaps) > params.curiosity.lead_width]
+
     def inside(pieces: Segments) -> Segments:
         gap = shapely.distance(polygon, shapely.points(midpoints(pieces)))
         return np.asarray(pieces[gap < params.curiosity.outside])
 
-    return Leads(stay.place, inside(stay.gaps), inside(stay.dim), done, visits)
+    return Leads(stay.place, inside(wide), inside(stay.dim), done, visits)
 
 
 def _came_from_left(memory: Memory, crossed: Exit, started_left: bool) -> bool:
