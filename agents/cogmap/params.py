@@ -317,7 +317,7 @@ class Curiosity:
     behind: float = 0.3
     """A gap seen from so far behind it hides nothing [m]. Ours: what it hid is in view."""
     lead_width: float = 1.2
-    """Narrower gaps are not come back for [m]. Ours: what furniture hides is not worth a journey."""
+    """Narrower gaps are not come back for [m]. Ours: what furniture hides is not worth it."""
     max_visits: int = 6
     """After as many visits what a place hides is let be [1]. Ours: no running to and fro."""
     open_radius: float = 0.5
