@@ -236,6 +236,7 @@ def lap(params: Params, seed: int, level: str, change: Change = lambda seen: see
         closed |= after > 0 and agent.memory.stay.place == 1
         if terminated or truncated:
             break
+    agent.act(change(copy.deepcopy(seen)))  # it has yet to see where the last move led
     believed, true = home @ agent.memory.pose, Pose(*info["pose"])
     walls = np.concatenate((plan.walls_and_furniture(), plan.door_segments()))
     ends = home.apply(agent.memory.mapping.mfis.surfaces).reshape(-1, 2)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from agents.cogmap.passing import leave, notice_crossing
 from agents.cogmap.perception import perceive
 from agents.cogmap.recognition import recognise_place
 from agents.cogmap.sketch import draw_sketch
+from agents.cogmap.storage import read_memory, write_memory
 from agents.cogmap.view import View
 from agents.cogmap.wandering import wander
 from cogmap_gym.geometry import Pose
@@ -75,6 +77,18 @@ class CogMapAgent:
     def sketch(self) -> dict[str, Any]:
         """What the robot believes, JSON-able, in MFIS coordinates."""
         return draw_sketch(self.memory)
+
+    def save(self, path: str | Path) -> None:
+        """Keep the memory in a file, whole or not at all."""
+        write_memory(path, self.memory)
+
+    def load(self, path: str | Path) -> None:
+        """Take up a memory kept by ``save``, after ``reset``; the next ``act`` goes on from it.
+
+        Raises:
+            ValueError: the file is no such memory; it names the file.
+        """
+        self.memory = read_memory(path)
 
     @property
     def edit_log(self) -> Sequence[Edit]:

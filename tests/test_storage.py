@@ -1,0 +1,74 @@
+"""A memory kept in a file is the memory, bit for bit."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+import cogmap_gym  # noqa: F401 - registers the environments
+from agents.cogmap.agent import CogMapAgent
+from agents.cogmap.storage import read_memory
+
+ONWARD = """
+import sys
+import gymnasium as gym
+import cogmap_gym
+from agents.cogmap.agent import CogMapAgent
+env = gym.make("CogMap/Explore-v0", map="two_rooms")
+seen, _ = env.reset(seed=3)
+agent = CogMapAgent()
+agent.reset(env.unwrapped.robot, env.unwrapped.laser)
+first = CogMapAgent()
+first.reset(env.unwrapped.robot, env.unwrapped.laser)
+for _ in range(25):
+    seen, *_ = env.step(first.act(seen))
+agent.load(sys.argv[1])
+for _ in range(25):
+    action = agent.act(seen)
+    print(action.tobytes().hex())
+    seen, *_ = env.step(action)
+"""
+
+
+def test_a_memory_loaded_in_a_new_process_gives_the_same_decisions_bit_for_bit(
+    tmp_path: Path,
+) -> None:
+    env = gym.make("CogMap/Explore-v0", map="two_rooms")
+    seen, _ = env.reset(seed=3)
+    agent = CogMapAgent()
+    agent.reset(env.unwrapped.robot, env.unwrapped.laser)  # type: ignore[attr-defined]
+    for _ in range(25):
+        seen, *_ = env.step(agent.act(seen))
+    agent.save(tmp_path / "memory.npz")
+    actions = []
+    for _ in range(25):
+        actions.append(agent.act(seen).tobytes().hex())
+        seen, *_ = env.step(np.frombuffer(bytes.fromhex(actions[-1]), np.float32).copy())
+    done = subprocess.run(
+        [sys.executable, "-c", ONWARD, str(tmp_path / "memory.npz")],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.split() == actions
+    env.close()
+
+
+@pytest.mark.parametrize("content", [b"", b"no zip", b"PK\x03\x04"])
+def test_what_is_no_memory_is_refused_by_name(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "wrong.npz"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=r"wrong\.npz"):
+        read_memory(path)
+
+
+def test_a_file_of_other_arrays_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "other.npz"
+    np.savez(path, x=np.zeros(3))
+    with pytest.raises(ValueError, match=r"other\.npz"):
+        read_memory(path)
