@@ -389,7 +389,7 @@ class Gaps:
     beyond: float = 0.4
     """A beam so far beyond the wall has gone through it [m]. Ours: over a wall's thickness."""
     room_beyond: float = 1.3
-    """Some of those go so far at least [m]. Ours: a niche between cupboards is no doorway."""
+    """Some of those go so far at least [m]. Ours: a niche 1.05 m deep beside a cupboard passed."""
     room_share: float = 0.2
     """Share that does [1]. Ours: a door in a corner is seen against the wall that goes on."""
     blocked_share: float = 0.1
