@@ -18,7 +18,7 @@ from agents.cogmap.memory import NEWBORN, Mark, Memory
 from agents.cogmap.mfis import Edit
 from agents.cogmap.params import Params
 from agents.cogmap.passing import leave, notice_crossing
-from agents.cogmap.perception import perceive
+from agents.cogmap.perception import perceive, survey
 from agents.cogmap.recognition import recognise_place
 from agents.cogmap.sketch import draw_sketch
 from agents.cogmap.storage import read_memory, write_memory
@@ -48,13 +48,12 @@ class CogMapAgent:
         view = extract_view(observation["scan"], self.laser, self.params.lines)  # 3.2
         seen = openings(view, self.params.gaps, self.laser.robot_from_laser.position)  # 2
         odometry = Pose(*(float(v) for v in observation["odometry"]))
-        memory, edits = perceive(  # 3, 4, 5
-            self.memory, view, seen, odometry, self.laser, self.params
-        )
+        memory, edits = perceive(self.memory, view, odometry, self.laser, self.params)  # 3, 4, 5
         crossed = notice_crossing(memory, self.params)
         if crossed is not None:
             memory = recognise_place(memory, self.params, last_chance=True)
             memory = leave(memory, memory.exit(crossed.id), self.params)  # 6, 7, 8
+        memory = survey(memory, view, seen, self.laser, self.params)
         memory = recognise_place(memory, self.params)  # closing the loop by association
         memory = _remember_mark(memory, int(observation["mark"]))
         memory, action = self._decide(memory, view, seen, int(observation["goal"]))  # 1

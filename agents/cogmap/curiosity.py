@@ -2,82 +2,120 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from agents.cogmap.exits import Book, seen_through_exit
+from agents.cogmap.memory import Leads
 from agents.cogmap.params import Curiosity
 from agents.cogmap.view import View
 from cogmap_gym.geometry import Points, Pose, Segments, cross, lengths, midpoints
 from cogmap_gym.observation import LaserSpec
 
 Bools = NDArray[np.bool_]
+Cells = NDArray[np.int64]
 
 
-def open_gaps(
-    gaps: Segments,
-    seen: Segments,
+def see_free(leads: Leads, view: View, pose: Pose, laser: LaserSpec, params: Curiosity) -> Leads:
+    """Note what the beams of a view show to be free."""
+    new = free_cells(view, pose, laser, params)
+    known = leads.seen
+    at = np.searchsorted(known, new)
+    fresh = new[known[np.minimum(at, len(known) - 1)] != new] if len(known) else new
+    return replace(leads, seen=np.union1d(known, fresh)) if len(fresh) else leads
+
+
+def free_cells(view: View, pose: Pose, laser: LaserSpec, params: Curiosity) -> Cells:
+    """The cells of the MFIS that the beams of a view go through, (C,), in order.
+
+    A cell is a square of side ``params.cell``, known by one number.
+    """
+    ends = view.points[np.isfinite(view.points).all(axis=1)]
+    eye = laser.robot_from_laser.position
+    along = ends - eye
+    size = np.hypot(along[:, 0], along[:, 1])
+    steps = np.arange(params.cell, params.reach, params.cell)
+    short = steps < np.maximum(size - 0.5 * params.cell, 0.0)[:, None]
+    rows, columns = np.nonzero(short)
+    points = eye + along[rows] * (steps[columns] / size[rows])[:, None]
+    return np.unique(_cells(pose.apply(points), params))
+
+
+def _cells(points: Points, params: Curiosity) -> Cells:
+    """The cells in which points (..., 2) of the MFIS lie, (...)."""
+    index = np.floor(points / params.cell).astype(np.int64)
+    return np.asarray((index[..., 0] << 32) + index[..., 1])
+
+
+def follow_gaps(leads: Leads, new: Segments, pose: Pose, book: Book, params: Curiosity) -> Leads:
+    """Gaps that wait to be explored, brought up to date with a view.
+
+    Args:
+        leads: of this place, with the view's free cells.
+        new: (N, 2, 2) gaps of the view in the MFIS, what they hide on the right.
+        pose: ``mfis_from_robot``.
+        book: exits; what lies behind one is another place's.
+        params: distances.
+
+    Returns:
+        The leads without the gaps that the robot is near to, which are done, and without those
+        behind which most has been seen by now.
+    """
+    at = pose.position
+    new = new[~seen_through_exit(book, at, midpoints(new), params.beside_exit)]
+    new = new[~_near(midpoints(new), leads.done, params.visited)]
+    together = np.concatenate((leads.gaps, new))
+    together = together[_hides(together, leads.seen, params)]
+    near = np.hypot(*(midpoints(together) - at).T) <= params.visited
+    done = _thinned_points(np.concatenate((leads.done, midpoints(together[near]))), 0.1)
+    return replace(leads, gaps=_thinned(together[~near], params.visited), done=done)
+
+
+def _hides(gaps: Segments, seen: Cells, params: Curiosity) -> Bools:
+    """Behind which gaps (G, 2, 2) most is still unseen, (G,)."""
+    d = gaps[:, 1] - gaps[:, 0]
+    right = np.stack((d[:, 1], -d[:, 0]), axis=-1) / np.maximum(lengths(gaps), 1e-9)[:, None]
+    across = gaps[:, None, 0] + np.array(params.behind_shares)[:, None] * d[:, None]
+    depth = np.array(params.behind)[:, None] * right[:, None]
+    cells = _cells(across[:, :, None] + depth[:, None], params)
+    return np.asarray((~np.isin(cells, seen)).mean(axis=(1, 2)) >= params.hidden_share)
+
+
+def follow_walls(
+    leads: Leads,
     view: View,
     pose: Pose,
     laser: LaserSpec,
     book: Book,
     params: Curiosity,
-) -> Segments:
-    """Gaps that wait to be explored, brought up to date with a view.
+    *,
+    new: bool,
+) -> Leads:
+    """Pieces of wall seen only sparsely or at a glance, where a doorway may go unnoticed.
 
     Args:
-        gaps: (G, 2, 2) in the MFIS, from earlier views of this place, what they hide on the right.
-        seen: (N, 2, 2) gaps of the view, in the robot's frame.
+        leads: of this place.
         view: the view.
         pose: ``mfis_from_robot``.
         laser: the laser.
         book: exits; what lies behind one is another place's.
         params: distances.
-
-    Returns:
-        (H, 2, 2): without those that the robot was near, those around which all is seen to be
-        open, and those that it sees from behind.
-    """
-    new = pose.apply(seen)
-    new = new[~seen_through_exit(book, pose.position, midpoints(new), params.beside_exit)]
-    in_robot = pose.inverse().apply(gaps)
-    middle = midpoints(in_robot)
-    distance = np.hypot(middle[:, 0], middle[:, 1])
-    reach, covered = _beams_around(middle, distance, view, laser, params)
-    opened = covered & (reach > distance + params.open_radius)
-    d = in_robot[:, 1] - in_robot[:, 0]
-    beyond = cross(d, middle) / np.maximum(np.hypot(d[:, 0], d[:, 1]), 1e-9)
-    from_behind = covered & (beyond > params.behind) & (reach > distance - params.open_radius)
-    together = np.concatenate((gaps[~(opened | from_behind)], new))
-    far = np.hypot(*(midpoints(together) - pose.position).T) > params.visited
-    return _thinned(together[far], params.visited)
-
-
-def dim_walls(
-    dim: Segments, lit: Points, view: View, pose: Pose, laser: LaserSpec, params: Curiosity
-) -> tuple[Segments, Points]:
-    """Pieces of wall seen only sparsely or at a glance, where a doorway may go unnoticed.
-
-    Args:
-        dim: (D, 2, 2) in the MFIS, from earlier views of this place, free space on the left.
-        lit: (L, 2) in the MFIS, middles of pieces once seen densely.
-        view: the view.
-        pose: ``mfis_from_robot``.
-        laser: the laser.
-        params: distances.
-
-    Returns:
-        The dim pieces (E, 2, 2) and the lit middles (M, 2), brought up to date.
+        new: whether walls not known before are looked for.
     """
     pieces = _pieces(view.surfaces, params.piece)
     laid = pose.apply(pieces)
     dense = (_spacing(pieces, laser) <= params.max_spacing) & (_sine(pieces) > params.lit_sine)
     bright = midpoints(laid[dense])
-    lit = np.concatenate((lit, bright[~_near(bright, lit, 0.5 * params.piece)]))
-    together = np.concatenate((dim, laid[~dense]))
-    old = _nearly(together, len(dim), params.piece)
-    dark = ~_near(midpoints(together), lit, params.piece) & old
-    return together[dark], lit
+    lit = np.concatenate((leads.lit, bright[~_near(bright, leads.lit, 0.5 * params.piece)]))
+    dim = leads.dim
+    if new:
+        dark = laid[~dense]
+        dark = dark[~seen_through_exit(book, pose.position, midpoints(dark), params.beside_exit)]
+        together = np.concatenate((dim, dark))
+        dim = together[_nearly(together, len(dim), params.piece)]
+    return replace(leads, dim=dim[~_near(midpoints(dim), lit, params.piece)], lit=lit)
 
 
 def _near(points: Points, others: Points, distance: float) -> Bools:
@@ -149,23 +187,6 @@ def _spacing(pieces: Segments, laser: LaserSpec) -> NDArray[np.float64]:
     return np.asarray(squared * laser.step / np.maximum(across, 1e-3))
 
 
-def _beams_around(
-    points: Points, distance: NDArray[np.float64], view: View, laser: LaserSpec, params: Curiosity
-) -> tuple[NDArray[np.float64], Bools]:
-    """The shortest beam within ``open_radius`` of each point (P, 2), and whether all are seen."""
-    ranges = np.hypot(view.points[:, 0], view.points[:, 1])
-    bearing = np.arctan2(points[:, 1], points[:, 0])
-    half = np.maximum(params.open_radius / np.maximum(distance, 1e-9), laser.step)
-    first = np.floor((bearing - half - laser.first_angle) / laser.step).astype(np.int64)
-    last = np.ceil((bearing + half - laser.first_angle) / laser.step).astype(np.int64)
-    covered = (first >= 0) & (last < len(ranges))
-    reach = np.array(
-        [np.min(ranges[a : b + 1]) if c else np.nan
-         for a, b, c in zip(first, last, covered, strict=True)]
-    ).reshape(len(points))  # fmt: skip
-    return reach, covered & np.isfinite(reach)
-
-
 def _thinned(gaps: Segments, apart: float) -> Segments:
     """Gaps no two of whose middles are nearer than ``apart``; the first ones stay."""
     kept: list[int] = []
@@ -174,3 +195,9 @@ def _thinned(gaps: Segments, apart: float) -> Segments:
         if not (np.hypot(*(middle[kept] - middle[k]).T) < apart).any():
             kept.append(k)
     return gaps[kept]
+
+
+def _thinned_points(points: Points, apart: float) -> Points:
+    """Points no two of which are nearer than ``apart``; the first ones stay."""
+    gap = np.hypot(*(points[:, None] - points[None]).transpose(2, 0, 1))
+    return np.asarray(points[~np.tril(gap < apart, -1).any(axis=1)])

@@ -174,12 +174,12 @@ def _doubtful_exit(memory: Memory, params: Params) -> Exit | None:
 
 def _unexplored(memory: Memory, params: Params) -> Points:
     """Where to go to see more of this place, (K, 2) in the MFIS."""
-    dim = memory.stay.dim
+    dim = memory.stay.leads.dim
     d = dim[:, 1] - dim[:, 0]
     left = np.stack((-d[:, 1], d[:, 0]), axis=-1) / np.hypot(d[:, 0], d[:, 1])[:, None]
     before = dim.mean(axis=1) + params.curiosity.stand * left
-    waiting = np.concatenate((midpoints(memory.stay.gaps), before))
-    for done in memory.stay.done:
+    waiting = np.concatenate((midpoints(memory.stay.leads.gaps), before))
+    for done in memory.stay.leads.done:
         waiting = waiting[~_about(waiting, done, params)]
     return waiting
 
@@ -234,7 +234,7 @@ def pursue(memory: Memory, robot: RobotSpec, params: Params) -> tuple[Memory, Ac
 def _afresh(memory: Memory) -> Memory:
     """After a look round, what was given up here may be tried again."""
     book = try_again(memory.book, memory.stay.place)
-    return replace(memory.with_stay(done=memory.stay.done[:0]), book=book)
+    return replace(memory, book=book)
 
 
 def give_up(memory: Memory) -> Memory:
@@ -255,4 +255,4 @@ def give_up(memory: Memory) -> Memory:
 
 def _without(memory: Memory, target: Points) -> Memory:
     """The memory with this target (2,) done."""
-    return memory.with_stay(done=np.concatenate((memory.stay.done, target[None])))
+    return memory.with_leads(done=np.concatenate((memory.stay.leads.done, target[None])))

@@ -34,17 +34,17 @@ def way_to_leads(memory: Memory, params: Params) -> Exit | None:
 
 def _spots(memory: Memory, params: Params) -> list[tuple[int, Points]]:
     """(place, a lead (2,) in it) of every place but the present one that has any."""
+    at = memory.pose.position
     spots: list[tuple[int, Points]] = []
     for e in memory.book:
         if e.crossed < 0 and e.failures < params.exploration.max_failures and e.sightings > 0:
             spots.extend((p, e.middle) for p in {e.left, e.right} if _known(memory, p))
-    for left in memory.leads:
-        points = np.concatenate((midpoints(left.gaps), midpoints(left.dim)))
-        for done in left.done:
-            away = np.hypot(*(points - done).T) >= params.exploration.same_target
-            points = points[away]
-        if len(points) and _known(memory, left.place):
-            spots.append((left.place, points[0]))
+    for place, leads in memory.leads:
+        points = np.concatenate((midpoints(leads.gaps), midpoints(leads.dim)))
+        for done in leads.done:
+            points = points[np.hypot(*(points - done).T) >= params.exploration.same_target]
+        if len(points) and _known(memory, place):
+            spots.append((place, points[int(np.hypot(*(points - at).T).argmin())]))
     return spots
 
 

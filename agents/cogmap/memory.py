@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from agents.cogmap.association import Beams
 from agents.cogmap.exits import NOWHERE, Book, Exit
@@ -14,6 +15,8 @@ from cogmap_gym.geometry import NO_SEGMENTS, Points, Pose, Segments
 
 NO_POINTS: Points = np.zeros((0, 2))
 NO_POINTS.setflags(write=False)
+NO_CELLS: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
+NO_CELLS.setflags(write=False)
 
 LOOK, SPOT, EXIT, CHECK, GAP, MARK = "look", "spot", "exit", "check", "gap", "mark"
 """Kinds of intent: look round, go to a spot to look round, cross an exit, go before one seen once
@@ -31,6 +34,22 @@ class Intent:
     """Id of the exit to cross, or 0."""
     steps: int = 0
     """Steps spent on it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leads:
+    """What a place still hides, and what was done about it."""
+
+    gaps: Segments = field(default_factory=lambda: NO_SEGMENTS)
+    """(G, 2, 2) in the MFIS: gaps not yet explored, what they hide on the right."""
+    dim: Segments = field(default_factory=lambda: NO_SEGMENTS)
+    """(D, 2, 2) in the MFIS: walls seen too sparsely to show a door."""
+    lit: Points = field(default_factory=lambda: NO_POINTS)
+    """(L, 2) in the MFIS: walls once seen densely."""
+    done: Points = field(default_factory=lambda: NO_POINTS)
+    """(K, 2) in the MFIS: targets reached or given up."""
+    seen: NDArray[np.int64] = field(default_factory=lambda: NO_CELLS)
+    """(C,): cells of the MFIS seen to be free from this place, in order (``free_cells``)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,33 +77,12 @@ class Stay:
     """Whether the robot has looked round."""
     turned: float = 0.0
     """How far it has turned in looking round [rad]."""
-    gaps: Segments = field(default_factory=lambda: NO_SEGMENTS)
-    """(G, 2, 2) in the MFIS: gaps not yet explored, what they hide on the right."""
-    dim: Segments = field(default_factory=lambda: NO_SEGMENTS)
-    """(D, 2, 2) in the MFIS: walls seen too sparsely to show a door."""
-    lit: Points = field(default_factory=lambda: NO_POINTS)
-    """(L, 2) in the MFIS: walls once seen densely."""
-    done: Points = field(default_factory=lambda: NO_POINTS)
-    """(K, 2) in the MFIS: targets reached or given up in this stay."""
+    leads: Leads = field(default_factory=Leads)
+    """What this place still hides."""
     search: Segments = field(default_factory=lambda: NO_SEGMENTS)
     """(S, 2, 2) in the MFIS: walls still to be looked at squarely for new exits."""
     searching: int = -1
     """Steps spent on looking for new exits here; -1 before it began."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Leads:
-    """What was left unexplored in a place."""
-
-    place: int
-    gaps: Segments
-    """(G, 2, 2) in the MFIS."""
-    dim: Segments
-    """(D, 2, 2) in the MFIS."""
-    done: Points
-    """(K, 2) in the MFIS: targets reached or given up."""
-    visits: int = 0
-    """How often the place was left."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,8 +128,8 @@ class Memory:
     route: tuple[int, ...] | None
     """Exits still to cross on a journey."""
     status: str
-    leads: tuple[Leads, ...] = ()
-    """What was left unexplored in other places."""
+    leads: tuple[tuple[int, Leads], ...] = ()
+    """(place, what was left unexplored in it) of the places left so far."""
     journey: Journey | None = None
     """The present journey, or None while exploring."""
 
@@ -150,8 +148,7 @@ class Memory:
 
     def leads_of(self, place: int) -> Leads:
         """What was left unexplored in a place."""
-        none = Leads(place, NO_SEGMENTS, NO_SEGMENTS, NO_POINTS)
-        return next((x for x in self.leads if x.place == place), none)
+        return next((leads for p, leads in self.leads if p == place), Leads())
 
     def since_left(self, place: int) -> float:
         """Metres driven since the place was last left."""
@@ -160,6 +157,10 @@ class Memory:
     def with_stay(self, **changes: object) -> Memory:
         """The memory with fields of the present stay changed."""
         return replace(self, stay=replace(self.stay, **changes))  # type: ignore[arg-type]
+
+    def with_leads(self, **changes: object) -> Memory:
+        """The memory with fields of the present place's leads changed."""
+        return self.with_stay(leads=replace(self.stay.leads, **changes))  # type: ignore[arg-type]
 
 
 NEWBORN = Memory(

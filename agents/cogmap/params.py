@@ -312,16 +312,16 @@ class Curiosity:
 
     visited: float = 1.2
     """A gap the robot came as near to is explored [m]. Ours: what it hid is then in view."""
-    outside: float = 0.5
-    """What lies farther outside a place's boundary is not its own [m]. Ours: rough boundaries."""
-    behind: float = 0.3
-    """A gap seen from so far behind it hides nothing [m]. Ours: what it hid is in view."""
-    lead_width: float = 1.2
-    """Narrower gaps are not come back for [m]. Ours: what furniture hides is not worth it."""
-    max_visits: int = 6
-    """After as many visits what a place hides is let be [1]. Ours: no running to and fro."""
-    open_radius: float = 0.5
-    """A gap all of whose surroundings so far are seen to be open is no gap [m]. Ours: a body."""
+    cell: float = 0.25
+    """Side of the cells by which is remembered what was seen to be free [m]. Ours: a body."""
+    reach: float = 10.0
+    """Beams are followed so far for that [m]. Ours: beyond, beams are 0.1 m apart."""
+    behind: tuple[float, ...] = (0.35, 0.7, 1.05)
+    """So far behind a gap is looked for what it hides [m]. Ours: room for a robot."""
+    behind_shares: tuple[float, ...] = (0.2, 0.5, 0.8)
+    """And at these shares of its width [1]. Ours: nine spots in all."""
+    hidden_share: float = 0.5
+    """A gap is explored once a smaller share of that is unseen [1]. Ours: nooks cost moves."""
     max_spacing: float = 0.25
     """Walls seen by beams farther apart may hide a doorway [m]. Ours: three beams in 0.8 m."""
     piece: float = 0.75

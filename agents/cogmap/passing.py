@@ -13,7 +13,7 @@ from agents.cogmap.memory import CHECK, EXIT, GAP, Leads, Memory, Stay
 from agents.cogmap.mfis import UNTAGGED, tag
 from agents.cogmap.params import Params
 from agents.cogmap.places import exits_of
-from cogmap_gym.geometry import NO_SEGMENTS, Segments, lengths, midpoints, segments_cross
+from cogmap_gym.geometry import NO_SEGMENTS, Segments, midpoints, segments_cross
 
 
 def notice_crossing(memory: Memory, params: Params) -> Exit | None:
@@ -44,11 +44,10 @@ def leave(memory: Memory, crossed: Exit, params: Params) -> Memory:
     step = memory.mapping.step
     entered = replace(crossed, left=left, right=right, crossed=step, failures=0, given_up=-1)
     departures = tuple(d for d in memory.departures if d[0] != stay.place)
-    own = _left_open(memory, params)
-    left_open = memory.leads_of(ahead)
+    own = stay.place, _left_open(memory)
     return replace(
         memory,
-        leads=(*(x for x in memory.leads if x.place != stay.place), own),
+        leads=(*(x for x in memory.leads if x[0] != stay.place), own),
         network=network,
         book=_beyond_it(try_again(replace_exit(memory.book, entered), ahead), memory, ahead),
         stay=Stay(
@@ -59,9 +58,7 @@ def leave(memory: Memory, crossed: Exit, params: Params) -> Memory:
             step,
             memory.path[-1:, :2],
             looked=known,
-            gaps=left_open.gaps,
-            dim=left_open.dim,
-            done=left_open.done,
+            leads=memory.leads_of(ahead),
         ),
         departures=(*departures, (stay.place, memory.travelled)),
         intent=None,
@@ -83,28 +80,24 @@ def _beyond_it(book: Book, memory: Memory, ahead: int) -> Book:
     return replace_exit(book, changed)
 
 
-def _left_open(memory: Memory, params: Params) -> Leads:
-    """What is left unexplored in the place just left: what lies inside its boundary."""
-    stay, intent = memory.stay, memory.intent
-    asr = memory.network.asr(stay.place)
-    done = stay.done
+def _left_open(memory: Memory) -> Leads:
+    """What is left unexplored in the place just left, but what lies inside another place."""
+    leads, intent, done = memory.stay.leads, memory.intent, memory.stay.leads.done
     if intent is not None and intent.kind == GAP:  # its way led out of the place
         done = np.concatenate((done, intent.target[None]))
-    visits = memory.leads_of(stay.place).visits + 1
-    if visits > params.curiosity.max_visits:
-        return Leads(stay.place, stay.gaps[:0], stay.dim[:0], done, visits)
-    if asr is None or not asr.closed:
-        return Leads(stay.place, stay.gaps, stay.dim, done, visits)
-    polygon = shapely.Polygon(asr.boundary)
-    shapely.prepare(polygon)
+    others = [
+        shapely.Polygon(a.boundary)
+        for a in memory.network.asrs
+        if a.closed and a.id != memory.stay.place
+    ]
+    elsewhere = shapely.union_all(others)
+    shapely.prepare(elsewhere)
 
-    wide = stay.gaps[lengths(stay.gaps) > params.curiosity.lead_width]
+    def own(pieces: Segments) -> Segments:
+        inside = shapely.contains(elsewhere, shapely.points(midpoints(pieces)))
+        return np.asarray(pieces[~inside])
 
-    def inside(pieces: Segments) -> Segments:
-        gap = shapely.distance(polygon, shapely.points(midpoints(pieces)))
-        return np.asarray(pieces[gap < params.curiosity.outside])
-
-    return Leads(stay.place, inside(wide), inside(stay.dim), done, visits)
+    return replace(leads, gaps=own(leads.gaps), dim=own(leads.dim), done=done)
 
 
 def _came_from_left(memory: Memory, crossed: Exit, started_left: bool) -> bool:

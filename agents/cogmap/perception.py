@@ -10,14 +10,8 @@ from numpy.typing import NDArray
 
 from agents.cogmap.association import Beams
 from agents.cogmap.bounded_space import Openings
-from agents.cogmap.curiosity import dim_walls, not_yet_squarely, open_gaps
-from agents.cogmap.exits import (
-    Book,
-    in_doorway,
-    remember_exits,
-    remember_passages,
-    seen_through_exit,
-)
+from agents.cogmap.curiosity import follow_gaps, follow_walls, not_yet_squarely, see_free
+from agents.cogmap.exits import Book, in_doorway, remember_exits, remember_passages
 from agents.cogmap.mapper import update
 from agents.cogmap.memory import Memory, Stay
 from agents.cogmap.mfis import FORGOTTEN, UNTAGGED, Edit
@@ -26,46 +20,37 @@ from agents.cogmap.params import Params
 from agents.cogmap.passages import passages
 from agents.cogmap.places import seen_from
 from agents.cogmap.view import View
-from cogmap_gym.geometry import NO_SEGMENTS, Pose, Segments, midpoints
+from cogmap_gym.geometry import NO_SEGMENTS, Pose
 from cogmap_gym.observation import LaserSpec
 
 
 def perceive(
-    memory: Memory,
-    view: View,
-    seen: Openings,
-    odometry: Pose,
-    laser: LaserSpec,
-    params: Params,
+    memory: Memory, view: View, odometry: Pose, laser: LaserSpec, params: Params
 ) -> tuple[Memory, Sequence[Edit]]:
-    """Bring the MFIS, the obstacles and the exits up to date with one view.
+    """Bring the MFIS, the obstacles and the path up to date with one view.
 
     Args:
         memory: before the view.
         view: surfaces in the robot's frame.
-        seen: gaps and exits in the robot's frame (Algorithm 2).
         odometry: motion since the last view, in the robot's previous frame.
         laser: the laser.
         params: all thresholds.
 
     Returns:
-        The new memory, and the edits made to the MFIS.
+        The new memory, with the doorways that were gone through unseen, and the edits made to
+        the MFIS.
     """
     mapping, edits = update(memory.mapping, view, odometry, params, _allowed(memory, params))
     pose = mapping.mfis_from_robot
     obstacles = remember_obstacles(memory.obstacles, view.points, pose, laser, params.obstacles)
     book = memory.book
-    between = in_doorway(book, pose.position, params.exits)
-    if not between and (memory.stay.settled or not memory.stay.known):
-        found = pose.apply(seen.exits)
-        book = remember_exits(book, found, memory.stay.place, pose, params.exits)
     here = np.array([[pose.x, pose.y]])
     path = np.concatenate((memory.stay.path, here))
     if not params.passages.literal:
         gone_through = passages(path, obstacles, params.passages)
         book = remember_passages(book, gone_through, memory.stay.place, params.exits)
     stay = replace(
-        _curious(memory.stay, view, None if between else seen, pose, laser, book, params),
+        memory.stay,
         path=path,
         beams=(*memory.stay.beams, _beams(view, pose))[-params.association.views :],
         views=memory.stay.views + 1,
@@ -84,6 +69,26 @@ def perceive(
     )
 
 
+def survey(memory: Memory, view: View, seen: Openings, laser: LaserSpec, params: Params) -> Memory:
+    """Note the exits and the gaps of a view, as those of the place the robot is now known to be in.
+
+    Args:
+        memory: after the view was laid into the MFIS, and a crossing noticed.
+        view: surfaces in the robot's frame.
+        seen: gaps and exits in the robot's frame (Algorithm 2).
+        laser: the laser.
+        params: all thresholds.
+    """
+    book, stay, pose = memory.book, memory.stay, memory.pose
+    between = in_doorway(book, pose.position, params.exits)
+    if not between and (stay.settled or not stay.known):
+        found = pose.apply(seen.exits)
+        book = remember_exits(book, found, stay.place, pose, params.exits)
+    openings = None if between else seen
+    stay = _curious(stay, view, openings, pose, laser, book, params)
+    return replace(memory, book=book, stay=stay)
+
+
 def _curious(
     stay: Stay,
     view: View,
@@ -95,31 +100,14 @@ def _curious(
 ) -> Stay:
     """The stay with what the place still hides brought up to date.
 
-    In a place already in the network, and in an exit, where ``seen`` is None, nothing new is
-    looked for, only what was left there.
+    In an exit, where ``seen`` is None, nothing new is looked for.
     """
     p = params.curiosity
-    new = NO_SEGMENTS if seen is None or stay.known else seen.gaps
-    dim, lit = dim_walls(stay.dim, stay.lit, view, pose, laser, p)
-    old = _still(stay.dim, dim)
-    if seen is None or stay.known:
-        dim = dim[old]
-    else:
-        apart = seen_through_exit(book, pose.position, midpoints(dim), p.beside_exit)
-        dim = dim[old | ~apart]
-    return replace(
-        stay,
-        gaps=open_gaps(stay.gaps, new, view, pose, laser, book, p),
-        dim=dim,
-        lit=lit,
-        search=not_yet_squarely(stay.search, pose, laser, p),
-    )
-
-
-def _still(old: Segments, new: Segments) -> NDArray[np.bool_]:
-    """Which of the new pieces (N, 2, 2) are among the old, (N,)."""
-    same = (new[:, None] == old[None]).all(axis=(2, 3))
-    return np.asarray(same.any(axis=1))
+    leads = see_free(stay.leads, view, pose, laser, p)
+    new = NO_SEGMENTS if seen is None else pose.apply(seen.gaps)
+    leads = follow_gaps(leads, new, pose, book, p)
+    leads = follow_walls(leads, view, pose, laser, book, p, new=seen is not None)
+    return replace(stay, leads=leads, search=not_yet_squarely(stay.search, pose, laser, p))
 
 
 def _allowed(memory: Memory, params: Params) -> NDArray[np.bool_]:

@@ -12,7 +12,7 @@ from agents.cogmap.asr import ASR
 from agents.cogmap.association import Beams, Hypothesis, best_hypothesis
 from agents.cogmap.exits import NOWHERE, Book, Exit, match_exit, rename_place, replace_exit
 from agents.cogmap.landmarks import find_landmarks
-from agents.cogmap.memory import Leads, Mark, Memory
+from agents.cogmap.memory import Mark, Memory
 from agents.cogmap.mfis import FORGOTTEN, MFIS, UNTAGGED, tag
 from agents.cogmap.params import Association, Params
 from cogmap_gym.geometry import Pose, segments_cross
@@ -161,9 +161,6 @@ def _accept(memory: Memory, hypothesis: Hypothesis, params: Params) -> Memory:
     if _drifted(hypothesis, params.association):
         book = tuple(replace(e, seam=True) if e.id == stay.entry else e for e in book)
     kept = stay.entry if twin is None or twin.crossed < 0 else twin.id
-    left_open = memory.leads_of(place)
-    if place == stay.place:
-        left_open = Leads(place, stay.gaps, stay.dim, stay.done)
     return replace(
         memory,
         mapping=mapping,
@@ -179,9 +176,7 @@ def _accept(memory: Memory, hypothesis: Hypothesis, params: Params) -> Memory:
             path=shift.apply(stay.path),
             beams=tuple(b.moved(shift) for b in stay.beams),
             looked=True,
-            gaps=left_open.gaps,
-            dim=left_open.dim,
-            done=left_open.done,
+            leads=stay.leads if place == stay.place else memory.leads_of(place),
         ),
         intent=None,
         status=f"recognised {place}",
