@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.cogmap.exits import Book, seen_through_exit
+from agents.cogmap.free_space import Cells, cells_of, free_cells
 from agents.cogmap.memory import Leads
 from agents.cogmap.params import Curiosity
 from agents.cogmap.view import View
@@ -15,7 +16,6 @@ from cogmap_gym.geometry import Points, Pose, Segments, cross, lengths, midpoint
 from cogmap_gym.observation import LaserSpec
 
 Bools = NDArray[np.bool_]
-Cells = NDArray[np.int64]
 
 
 def see_free(leads: Leads, view: View, pose: Pose, laser: LaserSpec, params: Curiosity) -> Leads:
@@ -25,28 +25,6 @@ def see_free(leads: Leads, view: View, pose: Pose, laser: LaserSpec, params: Cur
     at = np.searchsorted(known, new)
     fresh = new[known[np.minimum(at, len(known) - 1)] != new] if len(known) else new
     return replace(leads, seen=np.union1d(known, fresh)) if len(fresh) else leads
-
-
-def free_cells(view: View, pose: Pose, laser: LaserSpec, params: Curiosity) -> Cells:
-    """The cells of the MFIS that the beams of a view go through, (C,), in order.
-
-    A cell is a square of side ``params.cell``, known by one number.
-    """
-    ends = view.points[np.isfinite(view.points).all(axis=1)]
-    eye = laser.robot_from_laser.position
-    along = ends - eye
-    size = np.hypot(along[:, 0], along[:, 1])
-    steps = np.arange(params.cell, params.reach, params.cell)
-    short = steps < np.maximum(size - 0.5 * params.cell, 0.0)[:, None]
-    rows, columns = np.nonzero(short)
-    points = eye + along[rows] * (steps[columns] / size[rows])[:, None]
-    return np.unique(_cells(pose.apply(points), params))
-
-
-def _cells(points: Points, params: Curiosity) -> Cells:
-    """The cells in which points (..., 2) of the MFIS lie, (...)."""
-    index = np.floor(points / params.cell).astype(np.int64)
-    return np.asarray((index[..., 0] << 32) + index[..., 1])
 
 
 def follow_gaps(leads: Leads, new: Segments, pose: Pose, book: Book, params: Curiosity) -> Leads:
@@ -79,7 +57,7 @@ def _hides(gaps: Segments, seen: Cells, params: Curiosity) -> Bools:
     right = np.stack((d[:, 1], -d[:, 0]), axis=-1) / np.maximum(lengths(gaps), 1e-9)[:, None]
     across = gaps[:, None, 0] + np.array(params.behind_shares)[:, None] * d[:, None]
     depth = np.array(params.behind)[:, None] * right[:, None]
-    cells = _cells(across[:, :, None] + depth[:, None], params)
+    cells = cells_of(across[:, :, None] + depth[:, None], params)
     return np.asarray((~np.isin(cells, seen)).mean(axis=(1, 2)) >= params.hidden_share)
 
 

@@ -6,9 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.cogmap.exits import Exit
+from agents.cogmap.free_space import spot_on_the_way
 from agents.cogmap.memory import Memory
-from agents.cogmap.navigator import plan_path, steer
+from agents.cogmap.navigator import plan_path, sample_surfaces, steer
 from agents.cogmap.params import Params
+from agents.cogmap.places import exits_of
 from cogmap_gym.geometry import Points, point_segment_distances
 from cogmap_gym.observation import RobotSpec
 
@@ -17,7 +19,7 @@ Action = NDArray[np.float32]
 
 def drive_to(memory: Memory, target: Points, robot: RobotSpec, params: Params) -> Action | None:
     """The next move towards a point (2,) in the MFIS, or None without a way."""
-    path = plan_path(memory.obstacles, memory.pose.position, target, params.navigation, robot)
+    path = _way(memory, target, (), robot, params)
     return None if path is None else _move(memory, path, robot, params)
 
 
@@ -39,12 +41,42 @@ def drive_through(
     offset = float((at - target.middle) @ target.normal) * side
     aside = abs(float((at - target.middle) @ np.array((target.normal[1], -target.normal[0]))))
     if offset < p.standoff + p.arrival and aside < 0.5 * p.arrival + max(offset, 0.0) * 0.5:
-        path = plan_path(memory.obstacles, at, beyond, params.navigation, robot)
+        path = _way(memory, beyond, (target.id,), robot, params)
     else:
-        path = plan_path(memory.obstacles, at, before, params.navigation, robot)
-        if path is not None:
+        path = _way(memory, before, (), robot, params)
+        if path is not None and np.array_equal(path[-1], before):
             path = np.concatenate((path, beyond[None]))
     return None if path is None else _move(memory, path, robot, params)
+
+
+def _way(
+    memory: Memory, target: Points, through: tuple[int, ...], robot: RobotSpec, params: Params
+) -> Points | None:
+    """A way (K, 2) in the MFIS to a point (2,) of the present place, or to a spot on the way.
+
+    It leads through no exit but those of ``through``, unless there is no other way. Where the
+    point is beyond what a local plan can reach, the way goes over what was seen to be free.
+    """
+    at, nav = memory.pose.position, params.navigation
+    shut = np.concatenate((memory.obstacles, _shut_doors(memory, through, params)))
+    path = plan_path(shut, at, target, nav, robot)
+    if path is None:
+        spot = spot_on_the_way(memory.stay.leads.seen, at, target, params.curiosity)
+        path = None if spot is None else plan_path(shut, at, spot, nav, robot)
+    return plan_path(memory.obstacles, at, target, nav, robot) if path is None else path
+
+
+def _shut_doors(memory: Memory, through: tuple[int, ...], params: Params) -> Points:
+    """Points (P, 2) on the exits of this place that the way shall not lead through."""
+    at = memory.pose.position
+    lines = [
+        e.line
+        for e in exits_of(memory.book, memory.stay.place)
+        if e.id not in through
+        and e.trusted(params.exits)
+        and float(np.hypot(*(e.middle - at))) > params.exploration.standoff
+    ]
+    return sample_surfaces(np.array(lines).reshape(-1, 2, 2), params.navigation.cell)
 
 
 def doorway_is_clear(memory: Memory, target: Exit, params: Params) -> bool:

@@ -316,6 +316,12 @@ class Curiosity:
     """Side of the cells by which is remembered what was seen to be free [m]. Ours: a body."""
     reach: float = 10.0
     """Beams are followed so far for that [m]. Ours: beyond, beams are 0.1 m apart."""
+    edge_cost: float = 3.0
+    """Extra cost of a cell beside what is not free, on a coarse way [1]. Ours: keeps off walls."""
+    leg: float = 6.0
+    """A local plan reaches so far along a coarse way [m]. Ours: what is remembered in detail."""
+    near_free: float = 1.2
+    """A coarse way ends at a free cell this near [m]. Ours: leads lie at the edge of free space."""
     behind: tuple[float, ...] = (0.35, 0.7, 1.05)
     """So far behind a gap is looked for what it hides [m]. Ours: room for a robot."""
     behind_shares: tuple[float, ...] = (0.2, 0.5, 0.8)
