@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from agents.cogmap.exits import Book, seen_through_exit
 from agents.cogmap.free_space import Cells, cells_of, free_cells
 from agents.cogmap.memory import Leads
-from agents.cogmap.params import Curiosity
+from agents.cogmap.params import Curiosity, Params
 from agents.cogmap.view import View
 from cogmap_gym.geometry import Points, Pose, Segments, cross, lengths, midpoints
 from cogmap_gym.observation import LaserSpec
@@ -94,6 +94,15 @@ def follow_walls(
         together = np.concatenate((dim, dark))
         dim = together[_nearly(together, len(dim), params.piece)]
     return replace(leads, dim=dim[~_near(midpoints(dim), lit, params.piece)], lit=lit)
+
+
+def lead_points(leads: Leads, params: Params) -> Points:
+    """Where to go to see more of a place, (K, 2) in the MFIS."""
+    dim, p = leads.dim, params.curiosity
+    d = dim[:, 1] - dim[:, 0]
+    left = np.stack((-d[:, 1], d[:, 0]), axis=-1) / np.hypot(d[:, 0], d[:, 1])[:, None]
+    points = np.concatenate((midpoints(leads.gaps), dim.mean(axis=1) + p.stand * left))
+    return points[~_near(points, leads.done, params.exploration.same_target)]
 
 
 def _near(points: Points, others: Points, distance: float) -> Bools:

@@ -35,6 +35,10 @@ class Exit:
     """Step at which the robot last gave up reaching it, -1 once it is seen open or crossed."""
     seam: bool = False
     """Whether the parts of the MFIS on its two sides drifted apart on the way round."""
+    seen: int = -1
+    """Step at which it was last seen open, or -1."""
+    false: bool = False
+    """Whether it turned out to part nothing: one place lies on both of its sides."""
 
     @property
     def middle(self) -> Points:
@@ -56,10 +60,9 @@ class Exit:
         return self.right if asr == self.left else self.left
 
     def trusted(self, params: Exits) -> bool:
-        """Whether it counts: seen often enough or crossed, and not seen from both sides at once."""
-        return (self.sightings >= params.min_sightings or self.crossed >= 0) and (
-            self.left != self.right
-        )
+        """Whether it counts: seen often enough or crossed, and between two places."""
+        known = self.sightings >= params.min_sightings or self.crossed >= 0
+        return known and self.left != self.right and not self.false
 
 
 Book = tuple[Exit, ...]
@@ -67,7 +70,7 @@ Book = tuple[Exit, ...]
 
 
 def remember_exits(
-    book: Book, found: Segments, here: int, mfis_from_robot: Pose, params: Exits
+    book: Book, found: Segments, here: int, mfis_from_robot: Pose, step: int, params: Exits
 ) -> Book:
     """Note the exits of a view: known ones are seen again, others enter the book.
 
@@ -76,6 +79,7 @@ def remember_exits(
         found: (E, 2, 2) exits of the view in the MFIS, the robot's space on their left.
         here: the ASR the robot is in.
         mfis_from_robot: where the robot is.
+        step: now.
         params: thresholds.
     """
     robot = mfis_from_robot.position
@@ -85,9 +89,10 @@ def remember_exits(
             continue
         known = match_exit(book, line, params)
         if known is None:
-            book = (*book, Exit(len(book) + 1, line, here, NOWHERE, 1, -1))
+            book = (*book, Exit(len(book) + 1, line, here, NOWHERE, 1, -1, seen=step))
         else:
-            book = replace_exit(book, _seen_again(known, line, here, robot, params))
+            again = _seen_again(known, line, here, robot, params)
+            book = replace_exit(book, replace(again, seen=step))
     return book
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.cogmap.curiosity import lead_points
 from agents.cogmap.driving import (
     Action,
     doorway_is_clear,
@@ -16,12 +17,13 @@ from agents.cogmap.driving import (
     turn,
 )
 from agents.cogmap.exits import Exit, give_up_exit, try_again
+from agents.cogmap.false_exits import doubt_exit
 from agents.cogmap.leads import way_to_leads
 from agents.cogmap.memory import CHECK, EXIT, GAP, LOOK, SPOT, Intent, Memory
 from agents.cogmap.params import Params
 from agents.cogmap.places import exits_of
 from agents.cogmap.view import View
-from cogmap_gym.geometry import Points, midpoints
+from cogmap_gym.geometry import Points
 from cogmap_gym.observation import RobotSpec
 
 
@@ -42,7 +44,7 @@ def explore(memory: Memory, view: View, robot: RobotSpec, params: Params) -> tup
         # Step 3
         if memory.intent is not None and memory.intent.steps > _patience(memory.intent, params):
             memory = give_up(memory)
-        memory = _shut(memory, params)
+        memory = _shut(_doubted(memory, params), params)
         memory = _arrived(memory, params)
         intent = _valid(memory, params) or choose(memory, view, params)
         memory = replace(memory, intent=replace(intent, steps=intent.steps + 1))
@@ -58,6 +60,18 @@ def _patience(intent: Intent, params: Params) -> int:
     """For how many steps an intent is followed."""
     p = params.exploration
     return p.exit_patience if intent.kind == EXIT else p.patience
+
+
+def _doubted(memory: Memory, params: Params) -> Memory:
+    """Note the exit in hand as false if it is near and turns out to part nothing."""
+    intent = memory.intent
+    if intent is None or intent.kind not in (EXIT, CHECK):
+        return memory
+    target = memory.exit(intent.exit)
+    away = float(np.hypot(*(target.middle - memory.pose.position)))
+    if target.crossed >= 0 or target.false or away > params.journeys.near_exit:
+        return memory
+    return doubt_exit(memory, target.id, params)
 
 
 def _shut(memory: Memory, params: Params) -> Memory:
@@ -79,7 +93,7 @@ def _arrived(memory: Memory, params: Params) -> Memory:
     if intent is None or intent.kind != GAP:
         return memory
     near = float(np.hypot(*(intent.target - memory.pose.position))) < params.exploration.arrival
-    hides = _about(_unexplored(memory, params), intent.target, params).any()
+    hides = _about(lead_points(memory.stay.leads, params), intent.target, params).any()
     if hides and not near:
         return memory
     return replace(_without(memory, intent.target), intent=None)
@@ -104,7 +118,8 @@ def _valid(memory: Memory, params: Params) -> Intent | None:
         away = float(np.hypot(*(intent.target - memory.pose.position)))
         return intent if away >= p.arrival else None
     if intent.kind == CHECK:
-        return None if memory.exit(intent.exit).trusted(params.exits) else intent
+        doubtful = memory.exit(intent.exit)
+        return None if doubtful.false or doubtful.trusted(params.exits) else intent
     if intent.kind == GAP and _new_exit(memory, params) is not None:
         return None
     return intent
@@ -125,7 +140,7 @@ def choose(memory: Memory, view: View, params: Params) -> Intent:
     doubtful = _doubtful_exit(memory, params)
     if doubtful is not None:
         return Intent(CHECK, doubtful.middle, doubtful.id)
-    gap = _best_gap(memory, _unexplored(memory, params))
+    gap = _best_gap(memory, lead_points(memory.stay.leads, params))
     if gap is not None:
         return Intent(GAP, gap)
     onward = way_to_leads(memory, params) or _oldest_exit(memory, params)
@@ -167,21 +182,11 @@ def _doubtful_exit(memory: Memory, params: Params) -> Exit | None:
     options = [
         e
         for e in exits_of(memory.book, memory.stay.place)
-        if not e.trusted(params.exits) and e.failures < params.exploration.max_failures
+        if not e.trusted(params.exits)
+        and not e.false
+        and e.failures < params.exploration.max_failures
     ]
     return min(options, key=lambda e: float(np.hypot(*(e.middle - at))), default=None)
-
-
-def _unexplored(memory: Memory, params: Params) -> Points:
-    """Where to go to see more of this place, (K, 2) in the MFIS."""
-    dim = memory.stay.leads.dim
-    d = dim[:, 1] - dim[:, 0]
-    left = np.stack((-d[:, 1], d[:, 0]), axis=-1) / np.hypot(d[:, 0], d[:, 1])[:, None]
-    before = dim.mean(axis=1) + params.curiosity.stand * left
-    waiting = np.concatenate((midpoints(memory.stay.leads.gaps), before))
-    for done in memory.stay.leads.done:
-        waiting = waiting[~_about(waiting, done, params)]
-    return waiting
 
 
 def _about(points: Points, target: Points, params: Params) -> NDArray[np.bool_]:

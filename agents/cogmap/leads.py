@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from agents.cogmap.curiosity import lead_points
 from agents.cogmap.exits import Exit
 from agents.cogmap.memory import Memory
 from agents.cogmap.params import Params
 from agents.cogmap.places import Route, route
-from cogmap_gym.geometry import Points, midpoints
+from cogmap_gym.geometry import Points
 
 
 def way_to_leads(memory: Memory, params: Params) -> Exit | None:
@@ -37,15 +38,17 @@ def _spots(memory: Memory, params: Params) -> list[tuple[int, Points]]:
     at = memory.pose.position
     spots: list[tuple[int, Points]] = []
     for e in memory.book:
-        if e.crossed < 0 and e.failures < params.exploration.max_failures and e.sightings > 0:
+        if e.crossed < 0 and e.failures < params.exploration.max_failures and _real(e):
             spots.extend((p, e.middle) for p in {e.left, e.right} if _known(memory, p))
     for place, leads in memory.leads:
-        points = np.concatenate((midpoints(leads.gaps), midpoints(leads.dim)))
-        for done in leads.done:
-            points = points[np.hypot(*(points - done).T) >= params.exploration.same_target]
+        points = lead_points(leads, params)
         if len(points) and _known(memory, place):
             spots.append((place, points[int(np.hypot(*(points - at).T).argmin())]))
     return spots
+
+
+def _real(e: Exit) -> bool:
+    return e.sightings > 0 and not e.false and e.left != e.right
 
 
 def _known(memory: Memory, place: int) -> bool:

@@ -176,6 +176,12 @@ class Exits:
     """A crossing is complete so far beyond the line [m]. Ours: FINDINGS 2, 144 of 144 noticed."""
     doorway: float = 0.45
     """Between the jambs and nearer to the line, it stands in the exit [m]. Ours: body and wall."""
+    flank: float = 0.2
+    """Wall beside an exit that no way round it leads through [m]. Ours: jambs are seen late."""
+    way_round: float = 9.0
+    """An exit parts two spaces unless a way about as short leads round it [m]. Ours: a table."""
+    seen_share: float = 0.95
+    """Share of that way that must have been seen to be free [1]. Ours: the unseen may be wall."""
     slack: float = 0.2
     """A path this much beside an exit's end still crosses it [m]. Ours: jambs are seen late."""
 

@@ -83,7 +83,8 @@ def survey(memory: Memory, view: View, seen: Openings, laser: LaserSpec, params:
     between = in_doorway(book, pose.position, params.exits)
     if not between and (stay.settled or not stay.known):
         found = pose.apply(seen.exits)
-        book = remember_exits(book, found, stay.place, pose, params.exits)
+        step = memory.mapping.step
+        book = remember_exits(book, found, stay.place, pose, step, params.exits)
     openings = None if between else seen
     stay = _curious(stay, view, openings, pose, laser, book, params)
     return replace(memory, book=book, stay=stay)

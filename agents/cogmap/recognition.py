@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from agents.cogmap.asr import ASR
 from agents.cogmap.association import Beams, Hypothesis, best_hypothesis
 from agents.cogmap.exits import NOWHERE, Book, Exit, match_exit, rename_place, replace_exit
+from agents.cogmap.false_exits import rejoin
 from agents.cogmap.landmarks import find_landmarks
 from agents.cogmap.memory import Mark, Memory
 from agents.cogmap.mfis import FORGOTTEN, MFIS, UNTAGGED, tag
@@ -31,6 +32,10 @@ def recognise_place(memory: Memory, params: Params, last_chance: bool = False) -
         return _recognise_by_names(memory, params)
     if stay.settled or not stay.entry or not (last_chance or _due(stay.views, p)):
         return memory
+    if not stay.known:
+        memory = rejoin(memory, params)
+        if memory.stay is not stay:
+            return memory
     beams = _beams_inside(memory)
     tried = [
         best_hypothesis(a.id, _surfaces(memory, a), beams, memory.since_left(a.id), p)

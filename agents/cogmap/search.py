@@ -84,7 +84,9 @@ def _doubtful(memory: Memory, params: Params) -> Exit | None:
         (
             e
             for e in exits_of(memory.book, memory.stay.place)
-            if not e.trusted(params.exits) and e.failures < params.exploration.max_failures
+            if not e.trusted(params.exits)
+            and not e.false
+            and e.failures < params.exploration.max_failures
         ),
         None,
     )

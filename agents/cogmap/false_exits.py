@@ -1,0 +1,107 @@
+"""Exits that part nothing: between a table and a wall the room goes on round the table.
+
+Ours: the thesis knows exits by their width alone (3.3). An exit must part two spaces, so what
+was seen to be free on both of its sides may not hang together by another way close by.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from agents.cogmap.exits import NOWHERE, Exit, rename_place, replace_exit
+from agents.cogmap.free_space import Cells, cells_of
+from agents.cogmap.memory import Mark, Memory
+from agents.cogmap.navigator import plan_path, sample_surfaces
+from agents.cogmap.params import Params
+from agents.cogmap.places import exits_of
+from cogmap_gym.geometry import Points, lengths
+
+
+def doubt_exit(memory: Memory, exit_id: int, params: Params) -> Memory:
+    """The memory with an exit noted as false, if it is one of the present place and parts nothing.
+
+    Args:
+        memory: with the robot near the exit.
+        exit_id: an exit never crossed.
+        params: all thresholds.
+    """
+    target = memory.exit(exit_id)
+    if parts(memory, target, memory.stay.leads.seen, params):
+        return memory
+    return replace(memory, book=replace_exit(memory.book, replace(target, false=True)))
+
+
+def rejoin(memory: Memory, params: Params) -> Memory:
+    """Be again in the place just left, if the exit crossed turns out to part nothing.
+
+    Args:
+        memory: in a place not known.
+        params: all thresholds.
+    """
+    stay, back = memory.stay, memory.stay.came_from
+    entry, left = memory.exit(stay.entry), memory.leads_of(back)
+    seen = np.union1d(stay.leads.seen, left.seen)
+    if parts(memory, entry, seen, params):
+        return memory
+    book = replace_exit(memory.book, replace(entry, false=True))
+    leads = replace(
+        left,
+        gaps=np.concatenate((left.gaps, stay.leads.gaps)),
+        dim=np.concatenate((left.dim, stay.leads.dim)),
+        lit=np.concatenate((left.lit, stay.leads.lit)),
+        done=np.concatenate((left.done, stay.leads.done)),
+        seen=seen,
+    )
+    return replace(
+        memory,
+        book=rename_place(book, stay.place, back),
+        marks=tuple(_renamed(m, stay.place, back) for m in memory.marks),
+        stay=replace(
+            stay,
+            place=back,
+            known=True,
+            settled=True,
+            entry=0,
+            came_from=0,
+            leads=leads,
+            looked=True,
+        ),
+        intent=None,
+        status=f"still in {back}",
+    )
+
+
+def _renamed(mark: Mark, old: int, new: int) -> Mark:
+    return replace(mark, place=new) if mark.place == old else mark
+
+
+def parts(memory: Memory, target: Exit, seen: Cells, params: Params) -> bool:
+    """Whether no way seen to be free leads from one side of an exit to the other close by.
+
+    Args:
+        memory: for what stands about, and the other exits of the place.
+        target: the exit.
+        seen: cells seen to be free.
+        params: all thresholds.
+    """
+    p = params.exits
+    shut = [e.line for e in exits_of(memory.book, memory.stay.place) if e.id != target.id]
+    along = (target.line[1] - target.line[0]) / lengths(target.line[None])[0]
+    wide = target.line + p.flank * np.stack((-along, along))
+    doors = sample_surfaces(np.array([*shut, wide]), params.navigation.cell)
+    aside = params.exploration.standoff * target.normal
+    left, right = target.middle + aside, target.middle - aside
+    way = plan_path(np.concatenate((memory.obstacles, doors)), left, right, params.navigation)
+    if way is None:
+        return True
+    points = _spots(way, params)
+    known = np.isin(cells_of(points, params.curiosity), seen).mean()
+    length = float(np.hypot(*np.diff(way, axis=0).T).sum())
+    return bool(length > p.way_round or known < p.seen_share)
+
+
+def _spots(way: Points, params: Params) -> Points:
+    """Points along a way (K, 2), (P, 2)."""
+    return sample_surfaces(np.stack((way[:-1], way[1:]), axis=1), params.curiosity.cell)
