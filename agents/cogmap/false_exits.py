@@ -10,12 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from agents.cogmap.exits import NOWHERE, Exit, rename_place, replace_exit
+from agents.cogmap.exits import Exit, rename_place, replace_exit
 from agents.cogmap.free_space import Cells, cells_of
 from agents.cogmap.memory import Mark, Memory
 from agents.cogmap.navigator import plan_path, sample_surfaces
 from agents.cogmap.params import Params
-from agents.cogmap.places import exits_of
 from cogmap_gym.geometry import Points, lengths
 
 
@@ -81,13 +80,13 @@ def parts(memory: Memory, target: Exit, seen: Cells, params: Params) -> bool:
     """Whether no way seen to be free leads from one side of an exit to the other close by.
 
     Args:
-        memory: for what stands about, and the other exits of the place.
+        memory: for what stands about, and the other exits, by which no way round may lead.
         target: the exit.
         seen: cells seen to be free.
         params: all thresholds.
     """
     p = params.exits
-    shut = [e.line for e in exits_of(memory.book, memory.stay.place) if e.id != target.id]
+    shut = [e.line for e in memory.book if e.id != target.id and e.trusted(p)]
     along = (target.line[1] - target.line[0]) / lengths(target.line[None])[0]
     wide = target.line + p.flank * np.stack((-along, along))
     doors = sample_surfaces(np.array([*shut, wide]), params.navigation.cell)
