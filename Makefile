@@ -16,11 +16,11 @@ $(READY): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "make: Python 3.11 or newer is needed, '$(PYTHON)' is $$($(PYTHON) --version 2>&1); name another: make venv PYTHON=/path/to/python3.11" >&2; exit 1; }
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv || { rm -rf .venv; echo "make: '$(PYTHON) -m venv' failed: install Python's venv module (Debian, Ubuntu: apt install python3-venv)" >&2; exit 1; }
 	@echo "Setting up .venv: some minutes the first time."
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev,film]'
 	@touch $@
 
-demo: $(READY)  ## explore the office of the thesis, close the loop, come home
-	$(BIN)/python scripts/experiment.py 1 --seed 0 --out out/demo
+demo: $(READY)  ## experiment 3 of the thesis: map, find ways round blocks and a short-cut, on film
+	$(BIN)/python scripts/experiment.py 3 --seed 0 --film 5,7 --out out/demo
 
 test: $(READY)  ## every test but the slow ones
 	$(BIN)/python -m pytest -n 2 -m "not slow" -q -rs

@@ -6,7 +6,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import gymnasium as gym
 import numpy as np
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from cogmap_gym.body import Motion
 from cogmap_gym.courses import course_of
 from cogmap_gym.floor_plan import FloorPlan
-from cogmap_gym.geometry import Points, Pose
+from cogmap_gym.geometry import Pose
 from cogmap_gym.observation import LaserSpec, Observation, RobotSpec, observation_space
 from cogmap_gym.sensors import (
     Laser,
@@ -28,6 +28,9 @@ from cogmap_gym.sensors import (
 )
 from cogmap_gym.tasks import Task
 from cogmap_gym.world import World
+
+if TYPE_CHECKING:
+    from cogmap_gym.render import Scene
 
 DECLARED = 0.5
 """An action whose third number is above this says "I am there". DESIGN 3."""
@@ -148,20 +151,29 @@ class CogMapEnv(gym.Env[Observation, Any]):
         """A picture uint8 (H, W, 3) of the world, and of the sketch if one was set."""
         if self.render_mode is None:
             return None
-        from cogmap_gym.render import Scene, draw
+        from cogmap_gym.render import draw
 
-        pose = self.world.pose
-        scene = Scene(
+        return draw(self.scene())
+
+    def scene(self) -> Scene:
+        """All that a picture of this moment shows, the sketch that was set included."""
+        from cogmap_gym.render import Scene, scan_ends
+
+        world, task, phase = self.world, self.task, self.task.phase
+        doing = "all phases over" if phase is None else phase.task
+        return Scene(
             self.plan,
-            pose,
-            shut=tuple(sorted(self.world.shut_doors)),
-            barriers=tuple(sorted(self.world.present_barriers)),
-            scan=self._scan_ends(),
+            world.pose,
+            shut=tuple(sorted(world.shut_doors)),
+            barriers=tuple(sorted(world.present_barriers)),
+            scan=scan_ends(self._scan, self.laser, world.pose),
             path=np.array(self._path),
             sketch=self._sketch,
-            plan_from_sketch=self.task.marks[1],
+            plan_from_sketch=task.marks[1],
+            goal=task.goal,
+            goal_pose=task.marks.get(task.goal),
+            caption=f"{self.plan.name}, phase {len(task.results) + 1}: {doing}",
         )
-        return draw(scene)
 
     @property
     def spec(self) -> EnvSpec | None:
@@ -197,13 +209,6 @@ class CogMapEnv(gym.Env[Observation, Any]):
             "mark": np.int64(self.task.mark),
             "goal": np.int64(self.task.goal),
         }
-
-    def _scan_ends(self) -> Points:
-        """Where the beams of the last scan that returned ended, (K, 2), plan frame [m]."""
-        hit = self._scan < self.laser.range_max
-        ranges, angles = self._scan[hit].astype(np.float64), self.laser.angles[hit]
-        ends = np.stack((ranges * np.cos(angles), ranges * np.sin(angles)), axis=-1)
-        return (self.world.pose @ self.laser.robot_from_laser).apply(ends)
 
 
 def _max_moves(asked: int | None, default: int) -> int:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,6 +17,7 @@ from cogmap_gym import figures as draw
 from cogmap_gym.figures import Sketch
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Points, Pose, Segments
+from cogmap_gym.labels import labels_of
 
 MAP_IN = (10.0, 10.4)
 """Width and height of a figure of the whole map [inch]: ids of 300 surfaces can be read."""
@@ -26,6 +26,9 @@ MIN_PANEL_IN = 5.4
 AROUND_M = 1.0
 """How much is shown around a local space or a view [m]."""
 GREY = "#7F7F7F"
+Solids = Mapping[str, Points]
+"""What stands in the way, by name: lines (2, 2) in the sketch's frame."""
+NO_SOLIDS: Solids = {}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,43 +50,33 @@ class TwoViews:
     """(K,): their ids."""
 
 
-def mfis_figure(sketch: Sketch, path: Points, title: str) -> Figure:
-    """The MFIS with the ids of surfaces and exits, and a path (thesis Fig. 4.16)."""
-    figure, (ax,) = _panels(1, MAP_IN)
+def mfis_figure(sketch: Sketch, path: Points, title: str, solids: Solids = NO_SOLIDS) -> Figure:
+    """The MFIS with ids of surfaces and exits, a path, what was shut (thesis Fig. 4.16, 4.50)."""
+    figure, (ax,) = panels(1, MAP_IN)
     draw.plot_exits(ax, sketch)
     draw.plot_path(ax, path)
     draw.plot_surfaces(ax, sketch)
-    _finish(ax, sketch, title)
+    plot_solids(ax, solids)
+    finish_belief(ax, sketch, title)
     return figure
 
 
 def network_figure(sketch: Sketch, title: str) -> Figure:
     """ASRs with their boundaries, and the network over them (thesis Fig. 4.19)."""
-    figure, (ax,) = _panels(1, MAP_IN)
+    figure, (ax,) = panels(1, MAP_IN)
     draw.plot_asrs(ax, {**sketch, "exits": ()}, ids=False)
     draw.plot_exits(ax, sketch, ids=False)
     draw.plot_network(ax, sketch)
     crossed = {link[1] for link in sketch["links"]}
     draw.plot_exits(ax, {"exits": [row for row in sketch["exits"] if row["id"] not in crossed]})
-    _finish(ax, sketch, title)
-    return figure
-
-
-def home_figure(sketch: Sketch, path: Points, title: str) -> Figure:
-    """The way to a goal, move by move, over the ASRs (thesis Fig. 4.26)."""
-    figure, (ax,) = _panels(1, MAP_IN)
-    draw.plot_surfaces(ax, sketch, ids=False, color=GREY)
-    draw.plot_asrs(ax, sketch)
-    draw.plot_path(ax, path)
-    ax.plot(*path.T, ".", color=draw.BLUE, ms=5, zorder=4, label="end of a move")
-    _finish(ax, sketch, title)
+    finish_belief(ax, sketch, title)
     return figure
 
 
 def landmarks_figure(views: TwoViews) -> Figure:
     """V_n over V_{n-1}, before and after normalisation (thesis Fig. 3.12, 3.17)."""
     shown = np.concatenate((views.view, views.before)).reshape(-1, 2)
-    figure, (left, right) = _panels(2, _fitting(shown, 8.0))
+    figure, (left, right) = panels(2, _fitting(shown, 8.0))
     ids = np.asarray(views.view_ids)
     known = np.isin(ids, views.landmark_ids) & (ids > 0)
     names = np.array([f"U{row + 1}" for row in range(len(ids))])
@@ -128,7 +121,7 @@ def asr_figure(
     other = {"surfaces": [row for row in sketch["surfaces"] if row["id"] not in own_ids]}
     ends = [point for row in own["surfaces"] for point in (row["p"], row["q"])]
     shown = np.array([*ends, *asr["boundary"], *path.tolist()])
-    figure, (first, second, third) = _panels(3, _fitting(shown))
+    figure, (first, second, third) = panels(3, _fitting(shown))
     draw.plot_exits(first, {"exits": exits})
     draw.plot_path(first, path)
     draw.plot_surfaces(first, own)
@@ -163,7 +156,7 @@ def overview_figure(
         title: of the figure.
         shut: names of the doors that are shut.
     """
-    figure, (left, *others) = _panels(1 if sketch is None else 2, (9.0, 10.0))
+    figure, (left, *others) = panels(1 if sketch is None else 2, (9.0, 10.0))
     draw.plot_plan(left, plan, shut=shut)
     draw.plot_path(left, true_path, label="true path")
     draw.plot_home(left, plan_from_sketch)
@@ -174,36 +167,21 @@ def overview_figure(
         draw.plot_asrs(right, believed)
         draw.plot_surfaces(right, believed, ids=False)
         draw.plot_path(right, plan_from_sketch.apply(path), label="believed path")
-        _finish(right, believed, "what the robot believes, laid on the truth at home")
+        finish_belief(right, believed, "what the robot believes, laid on the truth at home")
     figure.suptitle(title)
     return figure
 
 
-def phase_figures(
-    number: int, phase: Mapping[str, Any], sketch: Sketch, path: Points
-) -> dict[str, Figure]:
-    """The figures of a finished phase, by name.
-
-    Args:
-        number: of the phase, from 1.
-        phase: as in ``result.json``.
-        sketch: what the robot believes at its end.
-        path: (P, 2), its way in the phase as believed.
-    """
-    task = phase["task"]
-    outcome = "done" if phase["success"] else "failed"
-    title = f"phase {number}, {task}: {outcome} in {phase['moves']} moves"
-    name = f"phase{number}_{task.replace(':', '_')}"
-    made = {
-        f"{name}_mfis": mfis_figure(sketch, path, f"MFIS after {title}"),
-        f"{name}_network": network_figure(sketch, f"ASRs and network after {title}"),
-    }
-    if task != "explore":
-        made[f"{name}_path"] = home_figure(sketch, path, f"Path of {title}")
-    return made
+def plot_solids(ax: Axes, solids: Solids) -> None:
+    """Draw barriers and shut doors as dotted lines with their names."""
+    for number, (name, line) in enumerate(solids.items()):
+        label = "" if number else "barrier or shut door, in truth"
+        color = draw.VERMILLION
+        ax.plot(*line.T, color=color, lw=3.5, ls=(0, (0.6, 0.6)), zorder=7, label=label)
+        labels_of(ax).add(name, line, size=draw.LARGE_PT, color=color, clear=4.0)
 
 
-def _panels(count: int, panel: tuple[float, float]) -> tuple[Figure, list[Axes]]:
+def panels(count: int, panel: tuple[float, float]) -> tuple[Figure, list[Axes]]:
     """Panels of this width and height [inch], side by side."""
     figure = Figure(figsize=(count * panel[0], panel[1]), layout="constrained")
     return figure, [figure.add_subplot(1, count, k + 1) for k in range(count)]
@@ -216,7 +194,7 @@ def _fitting(points: Points, largest: float = 6.5) -> tuple[float, float]:
     return max(float(width) + 0.6, MIN_PANEL_IN), float(height) + 1.3
 
 
-def _finish(ax: Axes, sketch: Sketch, title: str) -> None:
+def finish_belief(ax: Axes, sketch: Sketch, title: str) -> None:
     """Home and the robot as believed, then axes and legend."""
     if sketch.get("home") is not None:
         draw.plot_home(ax, Pose(*sketch["home"][:2]))

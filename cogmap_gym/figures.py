@@ -52,7 +52,7 @@ def plot_plan(
         light: pale, as a background for what a robot believes.
         names: write the names of rooms and doors.
     """
-    shut = set(shut)
+    shut, barriers = set(shut), set(barriers)
     walls = [np.asarray(wall, dtype=np.float64) for wall in plan.walls]
     _lines(ax, walls, LIGHT_WALL if light else WALL, 1.0 if light else 1.4, "wall")
     fill, edge = (LIGHT_FURNITURE, LIGHT_WALL) if light else (FURNITURE, WALL)
@@ -61,11 +61,12 @@ def plot_plan(
     closed = [np.asarray(plan.doors[name], dtype=np.float64) for name in sorted(shut)]
     standing = [np.asarray(plan.barriers[name], dtype=np.float64) for name in sorted(barriers)]
     _lines(ax, closed, VERMILLION, 2.2, "shut door")
-    _lines(ax, standing, PURPLE, 2.2, "barrier", "--")
+    _lines(ax, standing, VERMILLION, 2.6, "barrier", ":")
     labels = labels_of(ax)
-    for name, door in plan.doors.items() if names else ():
-        color = VERMILLION if name in shut else WALL
-        labels.add(name, np.asarray(door), size=MEDIUM_PT, color=color, clear=3.0)
+    shown = {**plan.doors, **{name: plan.barriers[name] for name in sorted(barriers)}}
+    for name, line in shown.items() if names else ():
+        color = VERMILLION if name in shut | barriers else WALL
+        labels.add(name, np.asarray(line), size=MEDIUM_PT, color=color, clear=3.0)
     for name, room in plan.rooms.items() if names else ():
         labels.add(name, _on(_inside(room)), size=LARGE_PT, color="#7F7F7F")
     for wall in walls if names else ():
@@ -161,20 +162,19 @@ def plot_path(
 def plot_home(ax: Axes, home: Pose) -> None:
     """Mark home with a star."""
     ax.plot(
-        home.x, home.y, "*", color=VERMILLION, ms=12, mec="white", mew=0.5, zorder=8, label="home"
+        home.x, home.y, "*", color=VERMILLION, ms=15, mec="white", mew=0.5, zorder=6, label="home"
     )
 
 
 def moved(sketch: Sketch, target_from_sketch: Pose) -> dict[str, Any]:
-    """The drawn parts of a sketch in another frame: surfaces, exits, ASRs, pose and home."""
+    """The drawn parts of a sketch in another frame: all but links, route and status."""
     out = dict(sketch)
+    place, marks = target_from_sketch.apply, sketch.get("marks") or ()
     for key in ("surfaces", "exits"):
-        lines = target_from_sketch.apply(_rows(sketch[key]))
+        lines = place(_rows(sketch[key]))
         out[key] = [{**row, "p": p, "q": q} for row, (p, q) in zip(sketch[key], lines, strict=True)]
-    out["asrs"] = [
-        {**asr, "boundary": target_from_sketch.apply(_points(asr["boundary"]))}
-        for asr in sketch["asrs"]
-    ]
+    out["asrs"] = [{**asr, "boundary": place(_points(asr["boundary"]))} for asr in sketch["asrs"]]
+    out["marks"] = [{**mark, "point": place(np.array(mark["point"]))} for mark in marks]
     for key in ("pose", "home"):
         if sketch.get(key) is not None:
             pose = target_from_sketch @ Pose(*(float(v) for v in sketch[key]))

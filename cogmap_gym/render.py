@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Points, Pose
+from cogmap_gym.observation import LaserSpec
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,6 +54,12 @@ class Scene:
     """What the robot believes, in its own frame, as ``Agent.sketch`` gives it."""
     plan_from_sketch: Pose = field(default_factory=Pose)
     """Where the sketch's origin lies in the plan."""
+    goal: int = 0
+    """The mark to go to, or 0."""
+    goal_pose: Pose | None = None
+    """Where that mark truly is."""
+    caption: str = ""
+    """What is going on; by default the plan's name."""
 
 
 def draw(scene: Scene, size: tuple[int, int] = (480, 960)) -> Frame:
@@ -86,6 +93,14 @@ def draw(scene: Scene, size: tuple[int, int] = (480, 960)) -> Frame:
             _draw_belief(ax, scene)
     pixels, _ = canvas.print_to_buffer()  # type: ignore[no-untyped-call]
     return np.frombuffer(pixels, dtype=np.uint8).reshape(height, width, 4)[..., :3].copy()
+
+
+def scan_ends(ranges: NDArray[Any], laser: LaserSpec, plan_from_robot: Pose) -> Points:
+    """Where the beams (B,) that returned ended, (K, 2), plan frame [m]."""
+    hit = ranges < laser.range_max
+    reach, angles = ranges[hit].astype(np.float64), laser.angles[hit]
+    ends = np.stack((reach * np.cos(angles), reach * np.sin(angles)), axis=-1)
+    return (plan_from_robot @ laser.robot_from_laser).apply(ends)
 
 
 class Window:
@@ -135,25 +150,30 @@ def _set_window(ax: Axes, plan: FloorPlan, shape: float) -> None:
 
 def _draw_truth(ax: Axes, scene: Scene) -> None:
     from cogmap_gym import figures
+    from cogmap_gym.journey_figures import plot_goal
 
     figures.plot_plan(ax, scene.plan, shut=scene.shut, barriers=scene.barriers)
     if len(scene.scan):
         ax.plot(*np.asarray(scene.scan).T, ".", color=figures.ORANGE, ms=2.5, zorder=3)
     figures.plot_path(ax, scene.path)
     figures.plot_home(ax, scene.plan.home)
+    if scene.goal_pose is not None:
+        plot_goal(ax, scene.goal_pose.position)
     _draw_robot(ax, scene.pose, figures.BLUE)
     _draw_scale(ax)
-    _write(ax, scene.plan.name)
+    _write(ax, scene.caption or scene.plan.name)
 
 
 def _draw_belief(ax: Axes, scene: Scene) -> None:
     from cogmap_gym import figures
+    from cogmap_gym.journey_figures import plot_route
 
     assert scene.sketch is not None, "the right panel is drawn for a sketch only"
     sketch = figures.moved(scene.sketch, scene.plan_from_sketch)
     figures.plot_plan(ax, scene.plan, light=True, names=False)
     figures.plot_asrs(ax, sketch)
-    figures.plot_surfaces(ax, sketch)
+    figures.plot_surfaces(ax, sketch, ids=False)  # ids could not be read at this size
+    plot_route(ax, sketch, scene.goal)
     if sketch.get("home") is not None:
         figures.plot_home(ax, Pose(*sketch["home"]))
     if sketch.get("pose") is not None:
@@ -182,4 +202,4 @@ def _draw_scale(ax: Axes) -> None:
 
 
 def _write(ax: Axes, caption: str) -> None:
-    ax.text(0.01, 0.985, caption, transform=ax.transAxes, fontsize=8, va="top")
+    ax.text(0.01, 0.985, caption, transform=ax.transAxes, fontsize=10, va="top")

@@ -85,21 +85,13 @@ def test_a_step_without_surfaces_can_be_drawn(tmp_path: Path) -> None:
     assert save_png(figure, tmp_path / "landmarks.png").exists()
 
 
-def test_only_a_phase_with_a_goal_has_a_picture_of_its_way() -> None:
-    path = np.array([[1.0, 1.0], [1.5, 1.0]])
-    phase = {"task": "goto:2", "success": False, "moves": 3}
-    names = fig.phase_figures(4, phase, sketch([]), path)
-    assert set(names) == {f"phase4_goto_2_{kind}" for kind in ("mfis", "network", "path")}
-    explored = fig.phase_figures(1, {**phase, "task": "explore"}, sketch([]), path)
-    assert set(explored) == {"phase1_explore_mfis", "phase1_explore_network"}
-
-
 @pytest.mark.parametrize(
     ("script", "arguments"),
     [
         ("experiment.py", ("9",)),
         ("experiment.py", ("1", "--odometry", "wonderful")),
         ("experiment.py", ("1", "--map", "two_rooms")),
+        ("experiment.py", ("3", "--film", "5,8")),
         ("run.py", ("--agent", "nobody")),
     ],
 )
@@ -127,6 +119,17 @@ def test_an_experiment_leaves_its_result_and_pictures_and_prints_their_paths(
     printed = {Path(line) for line in said.splitlines() if line.startswith(str(tmp_path))}
     assert printed == {tmp_path / "result.json", *pictures}
     assert {"overview", "asr1", "phase3_home_path"} <= {path.stem for path in pictures}
+
+
+@pytest.mark.slow
+def test_the_third_experiment_shows_each_choice_of_a_new_exit_and_a_film(tmp_path: Path) -> None:
+    pytest.importorskip("moviepy", reason="films need MoviePy, the extra 'film'")
+    code, said = run("experiment.py", 3, "--seed", 1000, "--film", "5,7", "--out", tmp_path)
+    assert code == 0, said
+    printed = {Path(line) for line in said.splitlines() if line.startswith(str(tmp_path))}
+    assert printed == set(tmp_path.iterdir())
+    names = {path.name for path in printed}
+    assert {"film.mp4", "phase5_choice1.png", "phase5_goto_3_path.png"} <= names
 
 
 @pytest.mark.slow
