@@ -18,7 +18,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 ROBOT_MAY_IMPORT = {"cogmap_gym.geometry", "cogmap_gym.observation"}
-NOT_SCRIPTED = {"rollout", "step_cost", "ppo"}
+NOT_SCRIPTED = {"rollout", "step_cost", "office_trials", "ppo"}
 """What under agents/ may know the world: the runner of episodes, the clock of the thesis robot's
 steps, and learned robots' training."""
 ROBOT_MAY_SHARE = {"agents.base"}
