@@ -195,8 +195,12 @@ def failure_figure(record: OfficeRecord, agent: CogMapAgent, marks: Any, title: 
     )  # fmt: skip
     ax = figure.axes[0]
     for mark, pose in marks.items():
-        ax.plot(pose.x, pose.y, "*", color=figures.PURPLE, ms=14, zorder=8)
-        ax.annotate(f"mark {mark}", (pose.x, pose.y), zorder=9, color=figures.PURPLE)
+        if mark != HOME:
+            ax.plot(pose.x, pose.y, "*", color=figures.PURPLE, ms=14, zorder=8)
+            ax.annotate(
+                f"mark {mark}", (pose.x, pose.y), (0, 9), textcoords="offset points", zorder=9,
+                ha="center", fontsize=9, bbox={"fc": "white", "ec": "none", "alpha": 0.7, "pad": 1},
+            )  # fmt: skip
     missed = next((o for o in record.outcomes if not o.success and o.distance >= 0.0), None)
     if missed is not None:
         rows = [k for k, m in enumerate(record.moments) if m.phase == missed.phase]

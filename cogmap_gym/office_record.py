@@ -102,8 +102,11 @@ class OfficeRecord:
 
     @cached_property
     def rooms(self) -> list[str]:
-        """The true room at each step from the first in a room on."""
-        return [visit.room for visit in self.visits for _ in range(visit.first, visit.last + 1)]
+        """At each step the true room; empty before the first."""
+        found = [""] * (self.visits[0].first if self.visits else len(self.moments))
+        for visit in self.visits:
+            found += [visit.room] * (visit.last + 1 - visit.first)
+        return found
 
     @cached_property
     def crossings(self) -> list[Crossing]:
