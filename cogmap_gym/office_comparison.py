@@ -68,5 +68,6 @@ def _met(rows: Iterable[Row], task: str) -> tuple[int, int]:
     mine = [row for row in rows if row["task"] == task]
     if task in ("explore", "home"):
         return sum(row["success"] for row in mine), len(mine)
-    goals = [goal for row in mine for goal in row.get("goals", ())]
+    missed = ({"success": False},)  # by a run that broke down
+    goals = [goal for row in mine for goal in row.get("goals", missed)]
     return sum(goal["success"] for goal in goals), len(goals)

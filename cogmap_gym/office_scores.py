@@ -25,6 +25,8 @@ PLACES_A_BIN = 5
 """CPU times are told by the number of places, in bins so wide [-]."""
 STUCK_M, STUCK_MOVES = 1.0, 40
 """A robot that stays within this [m] for so many moves [-] is said to stand. Ours."""
+LINGERED_MOVES = 60
+"""A failed run tells where the robot was for so many moves on end [-]. Ours."""
 DIGITS = 4
 
 
@@ -81,12 +83,11 @@ def _cause(record: OfficeRecord, outcome: Outcome, mine: list[Moment]) -> tuple[
     if outcome.distance < 0.0:
         entered = any(visit.room == outcome.room for visit in record.visits)
         what = "entered, but not far enough" if entered else "never entered"
-        surveyed = [moment for moment in record.moments if moment.phase == 0]
-        return "not given", f"mark never given, {outcome.room} {what}{_stood(record, surveyed)}"
+        return "not given", f"mark never given, {outcome.room} {what}{_lingered(record, 0)}"
     last = mine[-1]
     away = f"{outcome.distance:.1f} m away, in {_room(record, last)}, mark in {outcome.room}"
     if not last.declared:
-        said = f"saying {last.status!r}{_stood(record, mine)}"
+        said = f"saying {last.status!r}{_lingered(record, outcome.phase)}"
         return "budget", f"budget of {len(mine)} moves ran out {away}, {said}"
     if NO_ROUTE in last.status:
         return "no route", f"said no route {away}"
@@ -101,21 +102,39 @@ def _unseen(record: OfficeRecord) -> str:
     missing = sorted(set(record.plan.room_names) - {visit.room for visit in record.visits})
     never = f", never in {', '.join(missing)}" if missing else ", all rooms entered"
     seen = f"saw {record.coverage:.1%} in {len(record.moments)} moves{never}"
-    return f"{seen}, saying {record.moments[-1].status!r}{_stood(record, record.moments)}"
+    return f"{seen}, saying {record.moments[-1].status!r}{_lingered(record, 0)}"
 
 
-def _stood(record: OfficeRecord, moments: Sequence[Moment]) -> str:
-    """Where the robot stood longest, if that was long."""
-    longest, start = 0, 0
-    best = moments[0] if moments else None
-    for k, moment in enumerate(moments):
-        if np.hypot(*(moment.pose - moments[start].pose)[:2]) > STUCK_M:
-            start = k
-        if k + 1 - start > longest:
-            longest, best = k + 1 - start, moments[start]
-    if best is None or longest < STUCK_MOVES:
-        return ""
-    return f", stood {longest} moves in {_room(record, best)}"
+def _lingered(record: OfficeRecord, phase: int) -> str:
+    """In which room the robot was longest on end in a phase, and where it stood, if long."""
+    rows = [t for t, moment in enumerate(record.moments) if moment.phase == phase]
+    said, room_moves, spot_moves = "", _Longest(), _Longest()
+    for t in rows:
+        room_moves.add(t, same=record.rooms[t] == record.rooms[room_moves.start])
+        way = record.poses[t, :2] - record.poses[spot_moves.start, :2]
+        spot_moves.add(t, same=bool(np.hypot(*way) <= STUCK_M))
+    if room_moves.moves >= LINGERED_MOVES:
+        said += f", {room_moves.moves} moves on end in {record.rooms[room_moves.best]}"
+    if spot_moves.moves >= STUCK_MOVES:
+        spot = _room(record, record.moments[spot_moves.best])
+        said += f", {spot_moves.moves} standing in {spot}"
+    return said
+
+
+class _Longest:
+    """The longest stretch of steps that are alike."""
+
+    def __init__(self) -> None:
+        """With no step yet."""
+        self.start = self.best = self.moves = 0
+        self._any = False
+
+    def add(self, step: int, *, same: bool) -> None:
+        """Take in the next step, which is or is not like the first of the present stretch."""
+        if not (same and self._any):
+            self.start, self._any = step, True
+        if step + 1 - self.start > self.moves:
+            self.best, self.moves = self.start, step + 1 - self.start
 
 
 def _coverage(record: OfficeRecord) -> dict[str, Any]:

@@ -17,6 +17,9 @@ Row = Mapping[str, Any]
 """What ``cogmap_gym.office_scores.office_score`` returns, with task, office, seed, odometry,
 difficulty and variant."""
 
+_BROKEN = {"success": False, "kind": "raised", "given": False}
+"""The goals of a run that broke down count as one that was missed."""
+
 
 def offices_table(rows: Iterable[Row], rng: np.random.Generator) -> str:
     """Markdown tables of all rows: a section for each variant, level and difficulty.
@@ -84,7 +87,7 @@ def _goals(task: str, rows: Sequence[Row], asked: str) -> list[str]:
 
 
 def _goals_of(rows: Iterable[Row]) -> list[Mapping[str, Any]]:
-    return [goal for row in rows for goal in row.get("goals", ())]
+    return [goal for row in rows for goal in row.get("goals", (_BROKEN,))]
 
 
 def _paths(rows: Sequence[Row], rng: np.random.Generator) -> list[str]:

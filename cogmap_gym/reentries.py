@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from cogmap_gym.office_record import Moment
 from cogmap_gym.topology import rooms_of_places
@@ -44,7 +45,7 @@ def entries(moments: Sequence[Moment], rooms: Sequence[str]) -> list[Entry]:
     firsts = [t for t, m in enumerate(moments) if t and m.began != moments[t - 1].began]
     cut: set[int] = set()
     found = []
-    for first, after in zip(firsts, [*firsts[1:], len(moments)], strict=True):
+    for first, after in pairwise([*firsts, len(moments)]):
         cut.add(moments[first].came_from)
         entry = _entry(moments, rooms, first, after, cut)
         found += [entry] if entry is not None else []
