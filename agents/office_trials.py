@@ -137,8 +137,9 @@ def run_trial(trial: Trial, failures: Path | None = None, pictures: int = 0) -> 
         failures: folder for a picture of a failed run.
         pictures: how many pictures the folder may hold.
     """
-    env, agent, recorder = trial.env(), _TimedAgent(), Recorder()
+    agent, recorder = _TimedAgent(), Recorder()
     try:
+        env = trial.env()
         episode = run_episode(env, agent, trial.seed, recorder)
     except Exception as error:  # noqa: BLE001 - a rate counts every run
         why = f"raised {error!r}"

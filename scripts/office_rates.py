@@ -25,6 +25,7 @@ import typer
 from rich.progress import track
 
 from agents.office_trials import TASKS, Trial, run_trial
+from cogmap_gym import FloorPlan, OdometrySpec
 from cogmap_gym.office_table import offices_table
 
 
@@ -63,6 +64,11 @@ def wanted(
     names = tasks.split(",")
     if unknown := set(names) - set(TASKS):
         raise typer.BadParameter(f"tasks: expected some of {list(TASKS)}, got {sorted(unknown)}")
+    try:
+        OdometrySpec.of(kinds[0])
+        FloorPlan.load(f"office:1000:{kinds[1]}")
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from error
     every = product(numbers(offices, "offices"), numbers(seeds, "seeds"), names, variants)
     return [Trial(task, office, seed, *kinds, variant) for office, seed, task, variant in every]
 

@@ -11,7 +11,7 @@ from agents.office_trials import Trial, run_trial
 from tests.test_scripts import PNG, run
 
 
-@pytest.mark.parametrize("arguments", [("--offices", "1000"), ("--tasks", "explore,fly")])
+@pytest.mark.parametrize("arguments", [("--offices", "1000"), ("--difficulty", "absurd")])
 def test_a_bad_argument_is_refused_in_words(tmp_path: Path, arguments: tuple[str, ...]) -> None:
     code, said = run("office_rates.py", *arguments, "--out", tmp_path / "out")
     assert code == 2
