@@ -103,6 +103,11 @@ class Task:
         return self._marks
 
     @property
+    def mark_rooms(self) -> Mapping[int, str]:
+        """The room in which each mark other than home is given."""
+        return self._mark_rooms
+
+    @property
     def succeeded(self) -> bool:
         """Whether all phases are over and each came out well."""
         return self.phase is None and all(result.success for result in self.results)
