@@ -18,8 +18,8 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 ROBOT_MAY_IMPORT = {"cogmap_gym.geometry", "cogmap_gym.observation"}
-NOT_SCRIPTED = {"rollout", "step_cost", "ppo"}
-"""What under agents/ may know the world: the runner of episodes, the clock of the thesis robot's
+NOT_SCRIPTED = {"rollout", "step_cost", "trials", "ablation", "ppo"}
+"""What under agents/ may know the world: the runners of episodes, the clock of the thesis robot's
 steps, and learned robots' training."""
 ROBOT_MAY_SHARE = {"agents.base"}
 PURE = {
