@@ -9,7 +9,8 @@ import json
 import multiprocessing
 import signal
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,12 +19,12 @@ import gymnasium as gym
 import numpy as np
 from numpy.typing import NDArray
 
-import cogmap_gym  # noqa: F401 - registers the environments
 from agents.base import Agent
 from agents.cogmap.agent import CogMapAgent
 from agents.cogmap.params import Params
 from agents.cogmap.places import links
 from agents.rollout import Episode, run_episode
+from cogmap_gym import OdometrySpec
 from cogmap_gym.experiment_figures import overview_figure
 from cogmap_gym.journey_scores import STAGES, score_journeys
 from cogmap_gym.metrics import score
@@ -35,10 +36,12 @@ from cogmap_gym.thesis_tasks import RING
 
 Row = dict[str, Any]
 """What ``run`` returns, JSON-able."""
-TITLE_CHARS = 150
+Watch = Callable[[Iterable[Row], int], Iterable[Row]]
+"""Passes on rows as they come, such as to show the progress."""
+TITLE_CHARS = 130
 """Longest line of a picture's title [characters]."""
-TITLE_LINES = 4
-"""Most lines of reasons in it."""
+TITLE_LINES = 5
+"""Most reasons in it, a line each."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,14 @@ class Trial:
     """Folder for a picture of the run if it fails."""
     most_pictures: int = 0
     """No picture is added to a folder that holds as many."""
+
+    def __post_init__(self) -> None:
+        """Check the odometry.
+
+        Raises:
+            ValueError: there is no such level.
+        """
+        OdometrySpec.of(self.odometry)
 
     @property
     def key(self) -> Row:
@@ -147,7 +158,8 @@ def _draw(
     trial.pictures.mkdir(parents=True, exist_ok=True)
     if len(list(trial.pictures.glob("*.png"))) >= trial.most_pictures:
         return
-    why = textwrap.wrap("; ".join(reasons(row)), TITLE_CHARS, max_lines=TITLE_LINES)
+    why = [textwrap.shorten(reason, TITLE_CHARS) for reason in reasons(row)]
+    why[TITLE_LINES:] = [f"and {len(why) - TITLE_LINES} more"] if len(why) > TITLE_LINES else []
     head = f"Experiment {trial.experiment}, {trial.odometry} odometry, seed {trial.seed}"
     home, shut = env.unwrapped.task.marks[1], record.steps[-1].shut  # type: ignore[attr-defined]
     belief = agent.sketch(), agent.memory.path[:, :2], home, "\n".join((head, *why))
@@ -162,17 +174,33 @@ def read_rows(path: Path) -> list[Row]:
     return [json.loads(line) for line in text.splitlines() if line.endswith("}")]
 
 
-def missing(trials: Iterable[Trial], rows: Iterable[Row]) -> list[Trial]:
-    """The trials that have no row yet."""
-    known = list(rows)
-    return [t for t in trials if not any(t.key.items() <= row.items() for row in known)]
+def run_missing(trials: Iterable[Trial], workers: int, path: Path, watch: Watch) -> bool:
+    """Run the trials that have no row in a file yet, and append a row of each as it comes in.
 
+    Args:
+        trials: all that are wanted.
+        workers: how many processes of their own they run in.
+        path: of the file.
+        watch: passes on the rows, of which it is told the number, and may show how many came.
 
-def run_all(trials: Sequence[Trial], workers: int, path: Path) -> Iterator[Row]:
-    """Run trials in processes of their own, and append a row of each as it comes in.
-
-    The workers do not take Ctrl-C; whoever stops asking for rows stops them.
+    Returns:
+        False if Ctrl-C ended it; the rows so far are kept.
     """
+    known = read_rows(path)
+    left = [t for t in trials if not any(t.key.items() <= row.items() for row in known)]
+    with closing(_run_all(left, workers, path)) as rows:
+        try:
+            for _ in watch(rows, len(left)):
+                pass
+        except KeyboardInterrupt:
+            return False
+    return True
+
+
+def _run_all(trials: Sequence[Trial], workers: int, path: Path) -> Generator[Row, None, None]:
+    """The workers do not take Ctrl-C; whoever stops asking for rows stops them."""
+    if not trials:
+        return
     ignore = (signal.SIGINT, signal.SIG_IGN)
     with multiprocessing.get_context("spawn").Pool(workers, signal.signal, ignore) as pool:
         for row in pool.imap_unordered(run, trials):

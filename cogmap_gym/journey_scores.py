@@ -143,10 +143,10 @@ def _outcome(record: Record, phase: int) -> list[Failure]:
         return [Failure(phase, question, "never begun", "never begun, its mark was not given")]
     x, y = steps[-1].pose[:2].tolist()
     where = f"in {record.plan.room_at(x, y) or 'a doorway'} at ({x:.1f}, {y:.1f})"
-    if len(steps) < plan.budget:
+    if plan.goal and len(steps) < plan.budget:
         text = f"declared {where}"
         return [Failure(phase, question, "declared in the wrong place", text)]
-    text = f"not done in {plan.budget} moves, last {where}"
+    text = f"not done in {len(steps)} moves, last {where}"
     return [Failure(phase, question, "budget used up", text)]
 
 

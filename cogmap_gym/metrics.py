@@ -107,7 +107,6 @@ def _network(record: Record, stay: Visit | None) -> dict[str, Any]:
     """Question b, and the boundaries at that moment."""
     if stay is None:
         return {"b": False, "b_why": "lap 1 not done", "asrs": None, "closed": None, "ious": []}
-    step = record.steps[stay.last]
     faults = record.network_faults(stay.last, record.rooms)
     return {
         "b": not faults,

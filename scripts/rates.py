@@ -9,7 +9,6 @@ Choose parameters on seeds >= 1000; seeds 0:50 are for the report.
 
 from __future__ import annotations
 
-from contextlib import closing
 from pathlib import Path
 from typing import Annotated
 
@@ -17,7 +16,7 @@ import typer
 from rich.progress import track
 
 from agents.cogmap.params import Params
-from agents.trials import Trial, missing, read_rows, run_all, seeds_of
+from agents.trials import Trial, read_rows, run_missing, seeds_of
 from cogmap_gym.saving import write_whole
 from cogmap_gym.score_table import rates_table
 
@@ -32,23 +31,15 @@ def main(
     workers: Annotated[int, typer.Option(min=1)] = 2,
 ) -> None:
     """Run the experiment on these seeds, and write the table of all rows in the folder."""
+    path, pictures = out / "runs.jsonl", out / "failures" if failures else None
+    params, label = Params.literal() if literal else Params(), {"literal": literal}
+    rest = params, label, pictures, failures
     try:
-        wanted = seeds_of(seeds)
+        trials = [Trial(experiment, odometry, seed, *rest) for seed in seeds_of(seeds)]
     except ValueError as error:
         raise typer.BadParameter(str(error)) from error
     out.mkdir(parents=True, exist_ok=True)
-    path, pictures = out / "runs.jsonl", out / "failures" if failures else None
-    params, label = Params.literal() if literal else Params(), {"literal": literal}
-    head = experiment, odometry
-    trials = [Trial(*head, seed, params, label, pictures, failures) for seed in wanted]
-    trials = missing(trials, read_rows(path))
-    complete = True
-    with closing(run_all(trials, workers, path)) as rows:
-        try:
-            for _ in track(rows, "episodes", total=len(trials)):
-                pass
-        except KeyboardInterrupt:
-            complete = False
+    complete = run_missing(trials, workers, path, lambda rows, n: track(rows, "episodes", n))
     table = rates_table(read_rows(path))
     write_whole(out / "rates.md", table.encode())
     print(f"{table}\n{path}\n{out / 'rates.md'}")
