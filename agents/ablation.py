@@ -60,7 +60,7 @@ def ladder() -> tuple[Variant, ...]:
         params = replace(params, **{name: getattr(default, name) for name in rung})
         out.append(Variant(f"+ {' and '.join(rung)}", params))
     assert params == default, "the last rung is the default"
-    return tuple(out)
+    return (*out[:-1], Variant(f"{out[-1].name} = default", params))
 
 
 def left_out() -> tuple[Variant, ...]:

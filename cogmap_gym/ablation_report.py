@@ -22,9 +22,9 @@ COLUMNS = {
     "exp 3 own doors, network": (3, "thesis"),
 }
 """The questions of a row of the table: the experiment and the key of a scored episode."""
-CELL_IN = (1.0, 0.42)
+CELL_IN = (1.0, 0.4)
 """Width and height of a cell of the figure [inch]."""
-MARGIN_IN = (3.4, 2.6)
+MARGIN_IN = (3.6, 1.5)
 """Room for the names of rows, of columns and of the scale [inch]."""
 DARK = 0.55
 """Shares below are written in white [-]."""
@@ -103,7 +103,10 @@ def _panel(ax: Axes, title: str, names: Names, rows: Sequence[Row]) -> None:
     ax.set_yticks(range(len(names)), [name for name, _ in names])
     ax.tick_params(length=0)
     ax.set_xlabel("experiment and question")
-    ax.set_ylabel("parameters")
     ax.set_title(title)
-    for border in np.arange(3.5, len(COLUMNS) - 1, 4.0):
-        ax.axvline(border, color="white", lw=3.0)
+    experiments = [experiment for experiment, _ in COLUMNS.values()]
+    for border in range(1, len(COLUMNS)):
+        new = experiments[border] != experiments[border - 1]
+        ax.axvline(border - 0.5, color="white", lw=5.0 if new else 0.8)
+    for border in range(1, len(names)):
+        ax.axhline(border - 0.5, color="white", lw=0.8)
