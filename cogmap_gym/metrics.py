@@ -26,15 +26,7 @@ from cogmap_gym.log_metrics import rigid_fit
 from cogmap_gym.map_metrics import NO_WALL, cover_ratios
 from cogmap_gym.naming import old_names
 from cogmap_gym.run_record import Record, Step
-from cogmap_gym.topology import (
-    Visit,
-    boundary_ious,
-    noticed,
-    rooms_of_places,
-    topology_faults,
-    true_crossings,
-    true_links,
-)
+from cogmap_gym.topology import Visit, boundary_ious, noticed
 
 FORGOTTEN = -1
 """The tag of a surface that is no longer part of the map."""
@@ -115,42 +107,28 @@ def _network(record: Record, stay: Visit | None) -> dict[str, Any]:
     """Question b, and the boundaries at that moment."""
     if stay is None:
         return {"b": False, "b_why": "lap 1 not done", "asrs": None, "closed": None, "ious": []}
-    step = record.steps[stay.last]
-    room_of = _rooms_of_places(record, stay.last)
-    places = {*step.boundaries, step.place}
-    faults = topology_faults(
-        places, step.links, room_of, _door_of_exits(record), true_links(record.plan, record.rooms)
-    )
-    plan_from_map = rigid_fit(_believed(record)[:, :2], record.poses[:, :2])
-    ious = boundary_ious(step.boundaries, room_of, plan_from_map, record.plan)
+    faults = record.network_faults(stay.last, record.rooms)
     return {
         "b": not faults,
-        "b_why": "; ".join(faults),
-        "asrs": len(step.boundaries),
-        "closed": sum(len(boundary) > 0 for boundary in step.boundaries.values()),
+        "b_why": "; ".join(fault.text for fault in faults),
+        **boundary_scores(record, stay.last),
+    }
+
+
+def boundary_scores(record: Record, until: int) -> dict[str, Any]:
+    """How many ASRs there are at a step, how many closed, and their IoU with the true rooms."""
+    boundaries = record.steps[until].boundaries
+    plan_from_map = rigid_fit(_believed(record)[:, :2], record.poses[:, :2])
+    ious = boundary_ious(boundaries, record.rooms_of_places(until), plan_from_map, record.plan)
+    return {
+        "asrs": len(boundaries),
+        "closed": sum(len(boundary) > 0 for boundary in boundaries.values()),
         "ious": [round(iou, 4) for iou in ious.values()],
     }
 
 
 def _believed(record: Record) -> Array:
     return np.array([step.believed for step in record.steps])
-
-
-def _rooms_of_places(record: Record, until: int) -> dict[int, str]:
-    rooms = [visit.room for visit in record.visits for _ in range(visit.first, visit.last + 1)]
-    return rooms_of_places([step.place for step in record.steps], rooms, until)
-
-
-def _door_of_exits(record: Record) -> dict[int, str]:
-    """The true door of each exit, from the crossings that were truly some."""
-    true = true_crossings(record.plan, record.poses)
-    began = _believed_crossings(record)
-    door_at = {began[k]: true[row].door for row, k in noticed(true, began).pairs}
-    return {step.entry: door_at[step.began] for step in record.steps if step.began in door_at}
-
-
-def _believed_crossings(record: Record) -> list[int]:
-    return sorted({step.began for step in record.steps if step.entry})
 
 
 def _doubles(record: Record, first: Visit | None, second: Visit | None) -> dict[str, Any]:
@@ -193,8 +171,7 @@ def _homes(record: Record) -> dict[str, Any]:
 
 
 def _doors(record: Record) -> dict[str, Any]:
-    true = true_crossings(record.plan, record.poses)
-    began = _believed_crossings(record)
+    true, began = record.crossings, record.believed_crossings
     result = noticed(true, began)
     seen = {row for row, _ in result.pairs}
     claimed = {k for _, k in result.pairs}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,7 +13,17 @@ from cogmap_gym.edit_log import Edit
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Array, Points, Segments
 from cogmap_gym.map_metrics import Origin, WallFaces, origins, wall_faces
-from cogmap_gym.topology import Visit, visits
+from cogmap_gym.topology import (
+    Crossing,
+    Fault,
+    Visit,
+    noticed,
+    rooms_of_places,
+    topology_faults,
+    true_crossings,
+    true_links,
+    visits,
+)
 
 Ints = NDArray[np.int64]
 
@@ -57,7 +67,7 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """An episode of Thesis-v0, experiment 1 or 2, with the truth."""
+    """An episode of Thesis-v0 with the truth."""
 
     plan: FloorPlan
     rooms: tuple[str, ...]
@@ -96,6 +106,36 @@ class Record:
         """Where each surface of the map truly comes from."""
         shut = [step.shut for step in self.steps]
         return origins(self.edits, self.poses, self.mapped, shut, self.faces)
+
+    @cached_property
+    def crossings(self) -> list[Crossing]:
+        """The doors it truly went through, in order."""
+        return true_crossings(self.plan, self.poses)
+
+    @cached_property
+    def believed_crossings(self) -> list[int]:
+        """The steps at which it thought it had crossed an exit, in order."""
+        return sorted({step.began for step in self.steps if step.entry})
+
+    @cached_property
+    def door_of_exits(self) -> dict[int, str]:
+        """The true door of each exit, from the crossings that were truly some."""
+        began = self.believed_crossings
+        pairs = noticed(self.crossings, began).pairs
+        door_at = {began[k]: self.crossings[row].door for row, k in pairs}
+        return {step.entry: door_at[step.began] for step in self.steps if step.began in door_at}
+
+    def rooms_of_places(self, until: int) -> dict[int, str]:
+        """The true room of each place, by the steps up to this one."""
+        rooms = [visit.room for visit in self.visits for _ in range(visit.first, visit.last + 1)]
+        return rooms_of_places([step.place for step in self.steps], rooms, until)
+
+    def network_faults(self, until: int, rooms: Iterable[str]) -> list[Fault]:
+        """What is wrong with its network at a step, if it should be that of these rooms."""
+        step = self.steps[until]
+        places, wanted = {*step.boundaries, step.place}, true_links(self.plan, rooms)
+        room_of = self.rooms_of_places(until)
+        return topology_faults(places, step.links, room_of, self.door_of_exits, wanted)
 
     def lap_ends(self) -> list[Visit | None]:
         """For each lap the true stay in the first room that ends it; None for a failed lap."""

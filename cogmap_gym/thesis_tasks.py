@@ -74,6 +74,21 @@ PHASES = {
 }
 """The phases of each experiment, in order. DESIGN 4."""
 
+CHORDS = {"ASR7": 4, "ASR8": 5}
+"""The rooms through which the chords lead, and the phase of experiment 3, from 0, in which each
+is first gone through."""
+OWN_DOORS: tuple[tuple[str, ...] | None, ...] = (
+    None,
+    (),
+    None,
+    ("E6", "E5"),
+    ("E7", "E8"),
+    ("E2", "E9", "E10", "E6"),
+    ("E6", "E10", "E9"),
+)
+"""Of each phase of experiment 3 the doors that the thesis's robot went through (4.4); a lap is
+judged by itself alone. The first way home is none: a lap ends in home's room."""
+
 
 @dataclass(frozen=True, slots=True)
 class Thesis:

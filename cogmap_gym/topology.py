@@ -149,13 +149,25 @@ def rooms_of_places(places: Sequence[int], rooms: Sequence[str], until: int) -> 
     return {place: counter.most_common(1)[0][0] for place, counter in votes.items()}
 
 
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One thing that is wrong with a network of places."""
+
+    kind: str
+    """What kind of fault, such as ``"place doubled"``."""
+    about: str
+    """Which room or link."""
+    text: str
+    """The same in words."""
+
+
 def topology_faults(
     places: Iterable[int],
     links: Iterable[tuple[int, int, int]],
     room_of: Mapping[int, str],
     door_of: Mapping[int, str],
     wanted: frozenset[Link],
-) -> list[str]:
+) -> list[Fault]:
     """What is wrong with a network of places; nothing where it is the true one.
 
     Args:
@@ -168,15 +180,25 @@ def topology_faults(
     known = sorted(set(places))
     named = Counter(room_of.get(place, "nowhere") for place in known)
     rooms = {room for sides, _ in wanted for room in sides}
-    faults = [f"{room} is {named[room]} places" for room in sorted(rooms) if named[room] != 1]
-    faults += [f"a place is {room}" for room in sorted(set(named) - rooms)]
+    faults = [_count_fault(room, named[room]) for room in sorted(rooms) if named[room] != 1]
+    others = sorted(set(named) - rooms)
+    faults += [Fault("place of no room", room, f"a place is {room}") for room in others]
     found = Counter(
         (frozenset(room_of.get(p, "nowhere") for p in (a, b)), door_of.get(e, f"exit {e}"))
         for a, e, b in links
     )
-    faults += [f"no link {_say(link)}" for link in sorted(wanted - set(found), key=_say)]
-    faults += [f"link {_say(k)} {n}x" for k, n in found.items() if k not in wanted or n > 1]
+    missing = sorted(_say(link) for link in wanted - set(found))
+    faults += [Fault("link missing", name, f"no link {name}") for name in missing]
+    faults += [
+        Fault("link doubled" if k in wanted else "link wrong", _say(k), f"link {_say(k)} {n}x")
+        for k, n in found.items()
+        if k not in wanted or n > 1
+    ]
     return faults
+
+
+def _count_fault(room: str, count: int) -> Fault:
+    return Fault(f"place {'doubled' if count else 'missing'}", room, f"{room} is {count} places")
 
 
 def _say(link: Link) -> str:
