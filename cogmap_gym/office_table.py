@@ -33,12 +33,14 @@ def offices_table(rows: Iterable[Row], rng: np.random.Generator) -> str:
     return "\n".join([*(_section(k, g, rng) for k, g in groups), *comparisons(ordered)])
 
 
-def _group(row: Row) -> tuple[str, str, str]:
-    return row["variant"], row["odometry"], row["difficulty"]
+def _group(row: Row) -> tuple[bool, str, str, str]:
+    """The plain offices come first."""
+    variant = row["variant"]
+    return variant != "plain", variant, row["odometry"], row["difficulty"]
 
 
-def _section(key: tuple[str, str, str], rows: Sequence[Row], rng: np.random.Generator) -> str:
-    variant, odometry, difficulty = key
+def _section(key: tuple[bool, str, str, str], rows: Sequence[Row], rng: np.random.Generator) -> str:
+    _, variant, odometry, difficulty = key
     offices = len({row["office"] for row in rows})
     title = (
         f"## {difficulty} offices, {odometry} odometry, {variant}: {len(rows)} runs in {offices}"
