@@ -129,7 +129,7 @@ def choose(memory: Memory, view: View, params: Params) -> Intent:
     """Step 3: select what to go for next."""
     stay, at = memory.stay, memory.pose.position
     if not stay.looked:
-        spot = _middle(memory, view, params)
+        spot = _well_inside(memory, _middle(memory, view, params), params)
         tried = memory.intent is not None and memory.intent.kind == SPOT
         if tried or not stay.entry or np.hypot(*(spot - at)) < params.exploration.arrival:
             return Intent(LOOK, at)
@@ -215,6 +215,16 @@ def _middle(memory: Memory, view: View, params: Params) -> Points:
     areas = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
     centre = ((a + b) / 3.0 * areas[:, None]).sum(axis=0) / max(float(areas.sum()), 1e-9)
     return memory.pose.apply(centre)
+
+
+def _well_inside(memory: Memory, spot: Points, params: Params) -> Points:
+    """The spot (2,), or one farther from the entry where it is too near to that."""
+    if not memory.stay.entry:
+        return spot
+    entry, least = memory.exit(memory.stay.entry), params.exploration.inside
+    if float(np.hypot(*(spot - entry.middle))) >= least:
+        return spot
+    return np.asarray(entry.middle + least * entry.side_of(memory.stay.place) * entry.normal)
 
 
 def pursue(memory: Memory, robot: RobotSpec, params: Params) -> tuple[Memory, Action | None]:

@@ -16,6 +16,7 @@ from agents.cogmap.memory import Mark, Memory
 from agents.cogmap.navigator import plan_path, sample_surfaces
 from agents.cogmap.params import Params
 from cogmap_gym.geometry import Points, lengths
+from cogmap_gym.observation import RobotSpec
 
 
 def doubt_exit(memory: Memory, exit_id: int, params: Params) -> Memory:
@@ -86,13 +87,13 @@ def parts(memory: Memory, target: Exit, seen: Cells, params: Params) -> bool:
         params: all thresholds.
     """
     p = params.exits
-    shut = [e.line for e in memory.book if e.id != target.id and e.trusted(p)]
+    shut = [e.line for e in memory.book if e.id != target.id and e.sightings and not e.false]
     along = (target.line[1] - target.line[0]) / lengths(target.line[None])[0]
     wide = target.line + p.flank * np.stack((-along, along))
     doors = sample_surfaces(np.array([*shut, wide]), params.navigation.cell)
-    aside = params.exploration.standoff * target.normal
-    left, right = target.middle + aside, target.middle - aside
-    way = plan_path(np.concatenate((memory.obstacles, doors)), left, right, params.navigation)
+    left, right = target.middle + p.aside * target.normal, target.middle - p.aside * target.normal
+    obstacles = np.concatenate((memory.obstacles, doors))
+    way = plan_path(obstacles, left, right, params.navigation, RobotSpec(radius=p.wide))
     if way is None:
         return True
     points = _spots(way, params)

@@ -9,10 +9,10 @@ import numpy as np
 from agents.cogmap.driving import Action, doorway_is_clear, drive_through, drive_to
 from agents.cogmap.exits import NOWHERE, Exit
 from agents.cogmap.exploration import explore
-from agents.cogmap.memory import EXIT, MARK, Intent, Journey, Mark, Memory
+from agents.cogmap.memory import MARK, Intent, Journey, Mark, Memory
 from agents.cogmap.params import Params
 from agents.cogmap.places import Route, exits_of, route
-from agents.cogmap.search import search_place, searched
+from agents.cogmap.search import search_place, unsearched
 from agents.cogmap.view import View
 from agents.cogmap.wandering import straight
 from cogmap_gym.observation import RobotSpec
@@ -38,23 +38,78 @@ def travel(
     if params.journeys.literal:
         return _beacon(memory, mark, view, robot, params)
     memory = _on_the_way(memory, mark, params)
-    assert memory.journey is not None, "a journey has begun"
     known = _known_way(memory, mark)
     new = _new_exit(memory, mark, known, params)
     if new is not None:
         memory = replace(memory, route=(new.id,), status=f"to mark {mark.id} by a new exit")
         return _by_exit(memory, new, mark, view, robot, params)
-    if _should_search(memory, mark):
+    if _should_search(memory, mark, known, params):
         memory = replace(memory, status="looking for a new exit")
-        memory, action = _search(memory, view, robot, params)
+        memory, action = search_place(memory, mark, known, view, robot, params)
         return (memory, action) if action is not None else travel(memory, mark, view, robot, params)
     if known is None:
-        memory = replace(memory, route=None, status=f"no known way to mark {mark.id}")
-        return explore(memory, view, robot, params)
+        return _without_a_way(memory, mark, view, robot, params)
     memory = replace(memory, route=known.exits, status=f"to mark {mark.id}")
     if not known.exits:
         return _beacon(memory, mark, view, robot, params)
     return _by_exit(memory, memory.exit(known.exits[0]), mark, view, robot, params)
+
+
+def _without_a_way(
+    memory: Memory, mark: Mark, view: View, robot: RobotSpec, params: Params
+) -> tuple[Memory, Action]:
+    """What is left to try where no known way leads to the mark; nothing left: say so, and declare.
+
+    Exits never crossed come first, then the walls behind which the goal may be entered, then the
+    exits that could not be reached, though they were not seen to be shut.
+    """
+    journey = memory.journey
+    assert journey is not None, "a journey has begun"
+    journey = replace(journey, lost=journey.lost + 1)
+    memory = replace(memory, route=None, journey=journey, status=f"no known way to mark {mark.id}")
+    onward = None
+    if journey.lost <= params.journeys.lost_steps:
+        onward = _untried(memory, mark, params) or _towards_search(memory, mark, params)
+    if onward is not None:
+        return _by_exit(memory, onward, mark, view, robot, params)
+    if journey.failed and not journey.retried:
+        again = replace(
+            journey, blocked=journey.blocked - journey.failed, failed=frozenset(), retried=True
+        )
+        return travel(replace(memory, journey=again), mark, view, robot, params)
+    return replace(memory, intent=None, status=f"no route to mark {mark.id}"), robot.declare()
+
+
+def _untried(memory: Memory, mark: Mark, params: Params) -> Exit | None:
+    """The next exit on the shortest promise by an exit never crossed, here or elsewhere."""
+    journey, here, at = memory.journey, memory.stay.place, memory.pose.position
+    assert journey is not None, "a journey has begun"
+    best, least = None, np.inf
+    for e in memory.book:
+        if e.crossed >= 0 or e.id in journey.blocked or not e.trusted(params.exits):
+            continue
+        for place in {e.left, e.right} - {NOWHERE}:
+            way = route(memory.book, at, here, e.middle, place, journey.blocked)
+            if way is None:
+                continue
+            promise = way.length + float(np.hypot(*(mark.point - e.middle)))
+            if promise < least:
+                best, least = (way.exits[0] if way.exits else e.id), promise
+    return None if best is None else memory.exit(best)
+
+
+def _towards_search(memory: Memory, mark: Mark, params: Params) -> Exit | None:
+    """The first exit on the way to the nearest place in which a door to the goal may be."""
+    journey, here, at = memory.journey, memory.stay.place, memory.pose.position
+    assert journey is not None, "a journey has begun"
+    ways: list[Route] = []
+    for place in unsearched(memory, mark, params):
+        for e in exits_of(memory.book, place):
+            way = route(memory.book, at, here, e.middle, place, journey.blocked)
+            if way is not None and way.exits:
+                ways.append(way)
+    best = min(ways, key=lambda way: way.length, default=None)
+    return None if best is None else memory.exit(best.exits[0])
 
 
 def _on_the_way(memory: Memory, mark: Mark, params: Params) -> Memory:
@@ -70,30 +125,24 @@ def _on_the_way(memory: Memory, mark: Mark, params: Params) -> Memory:
         and e.trusted(params.exits)
         and not doorway_is_clear(memory, e, params)
     }
-    return replace(memory, journey=replace(journey, blocked=journey.blocked | shut))
+    blocked, failed = journey.blocked | shut, journey.failed - shut
+    return replace(memory, journey=replace(journey, blocked=blocked, failed=failed))
 
 
-def _should_search(memory: Memory, mark: Mark) -> bool:
-    """Whether to look for new exits here: the way is shut here, or the place is new on a detour."""
+def _should_search(memory: Memory, mark: Mark, known: Route | None, params: Params) -> bool:
+    """Whether to look for new exits here.
+
+    So it is where the way is shut, in a new place on a detour, and where no way is known and a
+    door to the goal may be here.
+    """
     journey, stay = memory.journey, memory.stay
     assert journey is not None, "a journey has begun"
-    if not journey.blocked or stay.place in journey.searched or stay.place == mark.place:
+    if stay.place in journey.searched or stay.place == mark.place:
         return False
+    if known is None and stay.known and journey.lost <= params.journeys.lost_steps:
+        return stay.place in unsearched(memory, mark, params)
     here = {e.id for e in exits_of(memory.book, stay.place)}
-    return not stay.known or bool(here & journey.blocked)
-
-
-def _search(
-    memory: Memory, view: View, robot: RobotSpec, params: Params
-) -> tuple[Memory, Action | None]:
-    """Look for new exits: wall by wall in a known place, by exploring a new one."""
-    if memory.stay.known:
-        return search_place(memory, robot, params)
-    memory, action = explore(memory, view, robot, params)
-    intent = memory.intent
-    if intent is not None and intent.kind == EXIT and intent.exit == memory.stay.entry:
-        return searched(memory), None
-    return memory, action
+    return bool(journey.blocked) and (not stay.known or bool(here & journey.blocked))
 
 
 def _known_way(memory: Memory, mark: Mark) -> Route | None:
@@ -143,8 +192,10 @@ def _by_exit(
         return memory, action
     journey = memory.journey
     assert journey is not None, "a journey has begun"
-    blocked = replace(journey, blocked=journey.blocked | {target.id})
-    return travel(replace(memory, journey=blocked, intent=None), mark, view, robot, params)
+    out = replace(
+        journey, blocked=journey.blocked | {target.id}, failed=journey.failed | {target.id}
+    )
+    return travel(replace(memory, journey=out, intent=None), mark, view, robot, params)
 
 
 def _beacon(
@@ -153,10 +204,15 @@ def _beacon(
     """Straight towards the mark, and declare once there."""
     if float(np.hypot(*(mark.point - memory.pose.position))) < params.journeys.arrival:
         return replace(memory, intent=None, status=f"at mark {mark.id}"), robot.declare()
-    memory = replace(memory, intent=Intent(MARK, mark.point, NOWHERE))
+    last = memory.intent
+    same = last is not None and last.kind == MARK and last.exit == NOWHERE
+    steps = last.steps + 1 if last is not None and same else 0
+    memory = replace(memory, intent=Intent(MARK, mark.point, NOWHERE, steps))
     if params.journeys.literal:
         return memory, straight(memory, memory.pose.inverse().apply(mark.point), robot, params)
     action = drive_to(memory, mark.point, robot, params)
-    if action is None:
-        return explore(replace(memory, intent=None), view, robot, params)
-    return memory, action
+    if action is not None and steps <= params.journeys.patience:
+        return memory, action
+    if float(np.hypot(*(mark.point - memory.pose.position))) < params.journeys.near_enough:
+        return replace(memory, intent=None, status=f"near mark {mark.id}"), robot.declare()
+    return explore(replace(memory, intent=None), view, robot, params)

@@ -83,6 +83,8 @@ class Stay:
     """(S, 2, 2) in the MFIS: walls still to be looked at squarely for new exits."""
     searching: int = -1
     """Steps spent on looking for new exits here; -1 before it began."""
+    search_end: float = np.inf
+    """Metres driven in all at which looking for new exits here is no longer worth it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,8 +105,14 @@ class Journey:
     """Id of the mark."""
     blocked: frozenset[int] = frozenset()
     """Exits found shut or out of reach since it began."""
+    failed: frozenset[int] = frozenset()
+    """Those of them that could not be reached, though they were not seen to be shut."""
     searched: frozenset[int] = frozenset()
     """Places searched for another way since it began."""
+    retried: bool = False
+    """Whether the failed exits were given another chance."""
+    lost: int = 0
+    """Steps spent without a known way."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -178,6 +178,10 @@ class Exits:
     """Between the jambs and nearer to the line, it stands in the exit [m]. Ours: body and wall."""
     flank: float = 0.2
     """Wall beside an exit that no way round it leads through [m]. Ours: jambs are seen late."""
+    aside: float = 0.8
+    """That way begins and ends so far beside the exit [m]. Ours: clear of its jambs."""
+    wide: float = 0.52
+    """A disc of this radius passes along it [m]. Ours: wider than any door, known or not."""
     way_round: float = 9.0
     """An exit parts two spaces unless a way about as short leads round it [m]. Ours: a table."""
     seen_share: float = 0.95
@@ -294,6 +298,8 @@ class Exploration:
     """An exit seen once is looked at from so far before it [m]. Ours: it is found best there."""
     through: float = 0.8
     """And aims so far beyond it [m]. Ours: past the 0.35 m of a crossing."""
+    inside: float = 1.4
+    """A new place is looked at from so far inside at least [m]. Ours: to have been there."""
     arrival: float = 0.4
     """A target within this is reached [m]. Ours: a step's uncertainty."""
     same_target: float = 1.0
@@ -360,6 +366,14 @@ class Journeys:
 
     arrival: float = 0.4
     """The robot declares this near to where it remembers the mark [m]. Ours: within 1 m asked."""
+    near_enough: float = 0.9
+    """A mark that cannot be reached is declared from within this [m]. Ours: 1 m is asked."""
+    search_worth: float = 0.5
+    """Share of what a straight way would save that is spent on looking [1]. Ours: a detour."""
+    shared_wall: float = 0.9
+    """A wall so near to a place bounds it too [m]. Ours: a wall's thickness and drift."""
+    lost_steps: int = 120
+    """Steps after which a robot without a known way gives in [1]. Ours: half of a budget."""
     patience: int = 25
     """Steps after which an exit on the way is given up [1]. Ours: three times the usual."""
     near_exit: float = 3.0

@@ -64,6 +64,20 @@ def exits_of(book: Book, asr: int) -> list[Exit]:
     return [e for e in book if asr in (e.left, e.right) and e.left != e.right]
 
 
+def linked(book: Book, start: int, hidden: frozenset[int]) -> set[int]:
+    """The places that can be reached from one over known links, itself among them.
+
+    Args:
+        book: all exits; those crossed before are the links.
+        start: the place.
+        hidden: ids of exits not to use.
+    """
+    graph: nx.Graph[int] = nx.Graph()
+    graph.add_node(start)
+    graph.add_edges_from((a, b) for a, e, b in links(book) if e not in hidden)
+    return set(nx.node_connected_component(graph, start))
+
+
 def route(
     book: Book, start: Points, here: int, goal: Points, goal_asr: int, hidden: frozenset[int]
 ) -> Route | None:

@@ -5,25 +5,34 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import shapely
 
 from agents.cogmap.curiosity import wall_pieces
 from agents.cogmap.driving import Action, drive_before, drive_to, turn
-from agents.cogmap.exits import Exit
-from agents.cogmap.memory import CHECK, GAP, LOOK, Intent, Memory
+from agents.cogmap.exits import Exit, give_up_exit
+from agents.cogmap.exploration import explore
+from agents.cogmap.memory import CHECK, EXIT, GAP, LOOK, Intent, Mark, Memory
 from agents.cogmap.params import Params
-from agents.cogmap.places import exits_of
-from cogmap_gym.geometry import Points
+from agents.cogmap.places import Route, exits_of, linked
+from agents.cogmap.view import View
+from cogmap_gym.geometry import NO_SEGMENTS, Points, Segments, midpoints
 from cogmap_gym.observation import RobotSpec
 
 
-def search_place(memory: Memory, robot: RobotSpec, params: Params) -> tuple[Memory, Action | None]:
+def search_place(
+    memory: Memory, mark: Mark, known: Route | None, view: View, robot: RobotSpec, params: Params
+) -> tuple[Memory, Action | None]:
     """One step of looking for new exits in the present place.
 
-    The robot looks round where it noticed the block, then walks by every wall of the place that it
-    has not seen squarely since, in short steps; an exit seen once is looked at again.
+    In a place of the network the robot looks round where it noticed the block, then walks by the
+    walls in which an exit would be worth having, in short steps; an exit seen once is looked at
+    again. A new place it explores, as far as its first exit.
 
     Args:
         memory: on a journey, something on the way here being shut.
+        mark: the goal.
+        known: the best way over known links not found shut, if any.
+        view: the present view, in the robot's frame.
         robot: limits of a move.
         params: all thresholds.
 
@@ -31,11 +40,16 @@ def search_place(memory: Memory, robot: RobotSpec, params: Params) -> tuple[Memo
         The memory and the move; no move, and the place noted as searched, when that is done.
     """
     if memory.stay.searching < 0:
-        memory = _begun(memory, params)
+        memory = _begun(memory, mark, known, params)
     memory = memory.with_stay(searching=memory.stay.searching + 1)
     stay = memory.stay
-    if stay.searching > params.curiosity.search_steps:
+    over = stay.looked and memory.travelled > stay.search_end
+    if over or stay.searching > params.curiosity.search_steps:
         return searched(memory), None
+    if not stay.known:
+        memory, step = explore(memory, view, robot, params)
+        onward = memory.intent is not None and memory.intent.kind == EXIT
+        return (searched(memory), None) if onward else (memory, step)
     if not stay.looked:
         return _look(memory, robot, params)
     doubtful = _doubtful(memory, params)
@@ -52,12 +66,58 @@ def search_place(memory: Memory, robot: RobotSpec, params: Params) -> tuple[Memo
     return searched(memory), None
 
 
-def _begun(memory: Memory, params: Params) -> Memory:
-    mfis = memory.mapping.mfis
-    walls = wall_pieces(mfis.surfaces[mfis.asr == memory.stay.place], params.curiosity)
-    return replace(
-        memory.with_stay(search=walls, searching=0, looked=False, turned=0.0), intent=None
+def unsearched(memory: Memory, mark: Mark, params: Params) -> list[int]:
+    """Places within reach in which a door to the goal may be, not yet searched on this journey."""
+    journey = memory.journey
+    assert journey is not None, "exits are looked for on a journey"
+    near = linked(memory.book, memory.stay.place, journey.blocked) - journey.searched
+    return [place for place in sorted(near) if len(_shared_walls(memory, place, mark, params))]
+
+
+def _begun(memory: Memory, mark: Mark, known: Route | None, params: Params) -> Memory:
+    """The memory with the walls of this place that are worth looking at, and for how long."""
+    place, at = memory.stay.place, memory.pose.position
+    if known is None:
+        walls, worth = _shared_walls(memory, place, mark, params), np.inf
+    else:
+        walls = _walls(memory, place, params)
+        middle = midpoints(walls)
+        promise = np.hypot(*(middle - at).T) + np.hypot(*(mark.point - middle).T)
+        walls = walls[promise < known.length]
+        gain = known.length - float(np.hypot(*(mark.point - at)))
+        worth = params.journeys.search_worth * gain
+    changed = memory.with_stay(
+        search=walls,
+        searching=0,
+        search_end=memory.travelled + worth,
+        looked=memory.stay.looked and not memory.stay.known,
+        turned=0.0,
     )
+    return replace(changed, intent=None)
+
+
+def _walls(memory: Memory, place: int, params: Params) -> Segments:
+    """The walls of a place, in pieces, (P, 2, 2)."""
+    mfis = memory.mapping.mfis
+    return wall_pieces(mfis.surfaces[mfis.asr == place], params.curiosity)
+
+
+def _shared_walls(memory: Memory, place: int, mark: Mark, params: Params) -> Segments:
+    """The walls of a place behind which the goal may be entered, (P, 2, 2).
+
+    That is beside the goal's place, or one from which it can be reached.
+    """
+    journey = memory.journey
+    assert journey is not None, "exits are looked for on a journey"
+    beyond = linked(memory.book, mark.place, journey.blocked)
+    edges = [
+        shapely.Polygon(a.boundary) for a in memory.network.asrs if a.id in beyond and a.closed
+    ]
+    walls = _walls(memory, place, params)
+    if not edges or not len(walls):
+        return NO_SEGMENTS
+    gaps = shapely.distance(shapely.union_all(edges), shapely.points(midpoints(walls)))
+    return np.asarray(walls[gaps < params.journeys.shared_wall])
 
 
 def searched(memory: Memory) -> Memory:
@@ -103,11 +163,8 @@ def _check(
     side = float(doubtful.side_of(memory.stay.place))
     action = drive_before(memory, doubtful, side, robot, params)
     if action is None or steps > params.exploration.patience:
-        book = tuple(
-            replace(e, failures=params.exploration.max_failures) if e.id == doubtful.id else e
-            for e in memory.book
-        )
-        memory = replace(memory, book=book)
+        times, step = params.exploration.max_failures, memory.mapping.step
+        memory = replace(memory, book=give_up_exit(memory.book, doubtful.id, step, times))
     return memory, action if action is not None else turn(robot.max_turn, robot)
 
 
