@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from agents.cogmap.curiosity import lead_points
@@ -204,17 +205,16 @@ def _best_gap(memory: Memory, gaps: Points) -> Points | None:
 
 
 def _middle(memory: Memory, view: View, params: Params) -> Points:
-    """The middle (2,) of the free space in view, in the MFIS."""
+    """The most open spot (2,) of the free space in view, in the MFIS."""
     points = view.points[np.isfinite(view.points).all(axis=1)]
     if len(points) < 3:
         return memory.pose.position
     reach = params.exploration.survey_reach
     distance = np.hypot(points[:, 0], points[:, 1])
     cut = points * np.minimum(1.0, reach / np.maximum(distance, 1e-9))[:, None]
-    a, b = cut[:-1], cut[1:]
-    areas = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
-    centre = ((a + b) / 3.0 * areas[:, None]).sum(axis=0) / max(float(areas.sum()), 1e-9)
-    return memory.pose.apply(centre)
+    space = shapely.make_valid(shapely.Polygon(np.concatenate((np.zeros((1, 2)), cut))))
+    radius = shapely.maximum_inscribed_circle(space, params.exploration.spot_tolerance)
+    return memory.pose.apply(shapely.get_coordinates(radius)[0])
 
 
 def _well_inside(memory: Memory, spot: Points, params: Params) -> Points:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import shapely
 
 from agents.cogmap.exits import Exit, rename_place, replace_exit
 from agents.cogmap.free_space import Cells, cells_of
@@ -16,7 +17,6 @@ from agents.cogmap.memory import Mark, Memory
 from agents.cogmap.navigator import plan_path, sample_surfaces
 from agents.cogmap.params import Params
 from cogmap_gym.geometry import Points, lengths
-from cogmap_gym.observation import RobotSpec
 
 
 def doubt_exit(memory: Memory, exit_id: int, params: Params) -> Memory:
@@ -92,14 +92,29 @@ def parts(memory: Memory, target: Exit, seen: Cells, params: Params) -> bool:
     wide = target.line + p.flank * np.stack((-along, along))
     doors = sample_surfaces(np.array([*shut, wide]), params.navigation.cell)
     left, right = target.middle + p.aside * target.normal, target.middle - p.aside * target.normal
-    obstacles = np.concatenate((memory.obstacles, doors))
-    way = plan_path(obstacles, left, right, params.navigation, RobotSpec(radius=p.wide))
+    way = plan_path(np.concatenate((memory.obstacles, doors)), left, right, params.navigation)
     if way is None:
         return True
-    points = _spots(way, params)
-    known = np.isin(cells_of(points, params.curiosity), seen).mean()
+    known = np.isin(cells_of(_spots(way, params), params.curiosity), seen).mean()
     length = float(np.hypot(*np.diff(way, axis=0).T).sum())
-    return bool(length > p.way_round or known < p.seen_share)
+    if length > p.way_round or known < p.seen_share:
+        return True
+    return not _round_a_thing(way, target, memory.obstacles, params)
+
+
+def _round_a_thing(way: Points, target: Exit, obstacles: Points, params: Params) -> bool:
+    """Whether a way (K, 2) from one side of an exit to the other leads round a thing, not a wall.
+
+    What stands inside the round is deep, where a piece of wall between two doors is thin.
+    """
+    ring = shapely.Polygon(way)
+    if not ring.is_valid:
+        ring = shapely.make_valid(ring)
+    inside = obstacles[shapely.contains_xy(ring, *obstacles.T)] - target.middle
+    if not len(inside):
+        return False
+    depth = float(np.ptp(inside @ target.normal))
+    return bool(params.exits.thing <= depth <= params.exits.largest_thing)
 
 
 def _spots(way: Points, params: Params) -> Points:

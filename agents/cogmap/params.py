@@ -174,14 +174,18 @@ class Exits:
     """Weight of a far sighting against what was known [1]. Ours: far ones are 0.1 m off."""
     beyond: float = 0.35
     """A crossing is complete so far beyond the line [m]. Ours: FINDINGS 2, 144 of 144 noticed."""
+    squarely: float = 1.0
+    """Squarely before an exit, this near, a robot sees on which side it is [m]. Ours: no wall."""
     doorway: float = 0.45
     """Between the jambs and nearer to the line, it stands in the exit [m]. Ours: body and wall."""
     flank: float = 0.2
     """Wall beside an exit that no way round it leads through [m]. Ours: jambs are seen late."""
     aside: float = 0.8
     """That way begins and ends so far beside the exit [m]. Ours: clear of its jambs."""
-    wide: float = 0.52
-    """A disc of this radius passes along it [m]. Ours: wider than any door, known or not."""
+    thing: float = 0.45
+    """It leads round a thing at least as deep, not a wall [m]. Ours: walls 0.1 to 0.3 m."""
+    largest_thing: float = 3.0
+    """And at most as deep, not a room [m]. Ours: a table and its chairs."""
     way_round: float = 9.0
     """An exit parts two spaces unless a way about as short leads round it [m]. Ours: a table."""
     seen_share: float = 0.95
@@ -298,6 +302,8 @@ class Exploration:
     """An exit seen once is looked at from so far before it [m]. Ours: it is found best there."""
     through: float = 0.8
     """And aims so far beyond it [m]. Ours: past the 0.35 m of a crossing."""
+    spot_tolerance: float = 0.1
+    """How exactly the most open spot is found [m]. Ours: a quarter of an arrival."""
     inside: float = 1.4
     """A new place is looked at from so far inside at least [m]. Ours: to have been there."""
     arrival: float = 0.4

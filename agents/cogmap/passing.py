@@ -13,13 +13,49 @@ from agents.cogmap.memory import CHECK, EXIT, GAP, Leads, Memory, Stay
 from agents.cogmap.mfis import UNTAGGED, tag
 from agents.cogmap.params import Params
 from agents.cogmap.places import exits_of
-from cogmap_gym.geometry import NO_SEGMENTS, Segments, midpoints, segments_cross
+from cogmap_gym.geometry import (
+    NO_SEGMENTS,
+    Points,
+    Segments,
+    cross,
+    lengths,
+    midpoints,
+    point_segment_distances,
+    segments_cross,
+)
 
 
 def notice_crossing(memory: Memory, params: Params) -> Exit | None:
     """The exit the robot has just crossed, or None."""
     stay = memory.stay
-    return crossed_exit(memory.book, stay.path, params.exits)
+    crossed = crossed_exit(memory.book, stay.path, params.exits)
+    return crossed if crossed is not None else _beyond_unnoticed(memory, params)
+
+
+def _beyond_unnoticed(memory: Memory, params: Params) -> Exit | None:
+    """An exit of this place the robot stands squarely before, but on the far side, or None.
+
+    Where two exits lie close together, a stay may begin beyond the second.
+    """
+    at, p = memory.pose.position, params.exits
+    if not memory.stay.settled:
+        return None
+    for e in exits_of(memory.book, memory.stay.place):
+        off = e.middle - at
+        depth = float(off @ e.normal) * e.side_of(memory.stay.place)
+        aside = abs(float(cross(e.normal, off)))
+        width = float(lengths(e.line[None])[0])
+        before = p.beyond <= depth <= p.squarely and aside < 0.5 * width - p.slack / 2.0
+        if before and e.crossed >= 0 and e.trusted(p) and _free(memory, at, e.middle, params):
+            return e
+    return None
+
+
+def _free(memory: Memory, at: Points, target: Points, params: Params) -> bool:
+    """Whether nothing seen stands between two points (2,) of the MFIS."""
+    line = np.stack((at, target))[None]
+    gaps = point_segment_distances(memory.obstacles, line)
+    return bool(gaps.min(initial=np.inf) > params.journeys.doorway_free)
 
 
 def leave(memory: Memory, crossed: Exit, params: Params) -> Memory:
