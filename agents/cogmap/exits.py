@@ -237,6 +237,28 @@ def seen_through_exit(
     return np.asarray((segments_cross(sights, covers) | inside).any(axis=1))
 
 
+def reach_to_exits(book: Book, eye: Points, ends: Points, params: Exits) -> NDArray[np.float64]:
+    """How far one sees towards each of some points (P, 2) before an exit begins [m], (P,).
+
+    Args:
+        book: all exits.
+        eye: (2,) in the MFIS.
+        ends: (P, 2) in the MFIS.
+        params: an exit covers ``slack`` more than itself at both ends.
+    """
+    lines = _lines(tuple(e for e in book if e.sightings > 0 and e.left != e.right and not e.false))
+    along = lines[:, 1] - lines[:, 0]
+    share = params.slack / np.hypot(along[:, 0], along[:, 1])
+    rays = (ends - eye)[:, None]
+    from_eye = lines[:, 0] - eye
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = cross(from_eye, along) / cross(rays, along)
+        u = cross(from_eye, rays) / cross(rays, along)
+    meets = (t > 0.0) & (u > -share) & (u < 1.0 + share)
+    size = np.hypot(*(ends - eye).T)
+    return np.asarray(np.where(meets, t, np.inf).min(axis=1, initial=np.inf) * size)
+
+
 def _through_another(book: Book, robot: Points, middle: Points, params: Exits) -> bool:
     """Whether the sight from the robot to ``middle`` goes through a trusted exit."""
     sight = np.stack((robot, middle))

@@ -17,7 +17,7 @@ from agents.cogmap.driving import (
     drive_to,
     turn,
 )
-from agents.cogmap.exits import Exit, give_up_exit, try_again
+from agents.cogmap.exits import Exit, give_up_exit, reach_to_exits, try_again
 from agents.cogmap.false_exits import doubt_exit
 from agents.cogmap.leads import way_to_leads
 from agents.cogmap.memory import CHECK, EXIT, GAP, LOOK, SPOT, Intent, Memory
@@ -205,16 +205,18 @@ def _best_gap(memory: Memory, gaps: Points) -> Points | None:
 
 
 def _middle(memory: Memory, view: View, params: Params) -> Points:
-    """The most open spot (2,) of the free space in view, in the MFIS."""
+    """The most open spot (2,) in the MFIS of the free space in view, this side of all exits."""
     points = view.points[np.isfinite(view.points).all(axis=1)]
     if len(points) < 3:
         return memory.pose.position
-    reach = params.exploration.survey_reach
-    distance = np.hypot(points[:, 0], points[:, 1])
-    cut = points * np.minimum(1.0, reach / np.maximum(distance, 1e-9))[:, None]
+    ends = memory.pose.apply(points)
+    reach = np.minimum(params.exploration.survey_reach, np.hypot(points[:, 0], points[:, 1]))
+    reach = np.minimum(reach, reach_to_exits(memory.book, memory.pose.position, ends, params.exits))
+    rays = ends - memory.pose.position
+    cut = rays * (reach / np.maximum(np.hypot(rays[:, 0], rays[:, 1]), 1e-9))[:, None]
     space = shapely.make_valid(shapely.Polygon(np.concatenate((np.zeros((1, 2)), cut))))
     radius = shapely.maximum_inscribed_circle(space, params.exploration.spot_tolerance)
-    return memory.pose.apply(shapely.get_coordinates(radius)[0])
+    return np.asarray(memory.pose.position + shapely.get_coordinates(radius)[0])
 
 
 def _well_inside(memory: Memory, spot: Points, params: Params) -> Points:
