@@ -107,7 +107,8 @@ def _peaks(
     offsets, turns = _offsets(reach, params.search_step), _offsets(turn, params.search_turn)
     zero = np.zeros(3)
     scores = _scores(ends, pivot, field, params.field_cell, zero, offsets, turns, params.beam_match)
-    scores -= params.shift_penalty * np.hypot(offsets[:, None], offsets[None])
+    shift = np.hypot(offsets[:, None], offsets[None])
+    scores = np.where(shift <= reach, scores - params.shift_penalty * shift, -np.inf)
     best_turn = scores.argmax(axis=0)
     scores = scores.max(axis=0)
     peaks = []

@@ -240,10 +240,10 @@ class Association:
     """From one late trial to the next [1]. Ours: FINDINGS 5."""
     base_shift: float = 0.4
     """Drift allowed at once [m]. Ours: FINDINGS 5."""
-    shift_per_metre: float = 0.012
+    shift_per_metre: float = 0.006
     """Drift allowed for each metre since the place was left [1]. Ours: 0.3 m after 90 m, severe."""
-    max_shift: float = 2.5
-    """Largest drift allowed [m]. Ours: farther off, one corridor is taken for another."""
+    max_shift: float = 1.0
+    """Largest drift allowed [m]. Ours: right ones to 0.75 m (severe), wrong ones from 0.86 m."""
     base_turn: float = 0.035
     """Turn allowed at once, 2 degrees [rad]. Ours: FINDINGS 5."""
     turn_per_metre: float = 0.0006
