@@ -9,7 +9,7 @@ import numpy as np
 from agents.cogmap.driving import Action, doorway_is_clear, drive_through, drive_to
 from agents.cogmap.exits import NOWHERE, Exit
 from agents.cogmap.exploration import explore
-from agents.cogmap.memory import MARK, Intent, Journey, Mark, Memory
+from agents.cogmap.memory import MARK, Intent, Journey, Mark, Memory, place_of
 from agents.cogmap.params import Params
 from agents.cogmap.places import Route, exits_of, route
 from agents.cogmap.search import search_place, unsearched
@@ -38,6 +38,7 @@ def travel(
     if params.journeys.literal:
         return _beacon(memory, mark, view, robot, params)
     memory = _on_the_way(memory, mark, params)
+    mark = replace(mark, place=place_of(memory, mark))
     known = _known_way(memory, mark)
     new = _new_exit(memory, mark, known, params)
     if new is not None:

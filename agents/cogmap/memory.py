@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from agents.cogmap.association import Beams
@@ -169,6 +170,19 @@ class Memory:
     def with_leads(self, **changes: object) -> Memory:
         """The memory with fields of the present place's leads changed."""
         return self.with_stay(leads=replace(self.stay.leads, **changes))  # type: ignore[arg-type]
+
+
+def place_of(memory: Memory, mark: Mark) -> int:
+    """The place in which a mark lies: that whose boundary holds it, else where it was given.
+
+    A mark may be given before the robot has noticed that it has crossed an exit.
+    """
+    holds = [
+        a.id
+        for a in memory.network.asrs
+        if a.closed and shapely.contains_xy(shapely.Polygon(a.boundary), *mark.point)
+    ]
+    return mark.place if not holds or mark.place in holds else holds[0]
 
 
 NEWBORN = Memory(

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from agents.cogmap.memory import Mark, Memory
+from agents.cogmap.memory import Mark, Memory, place_of
 from agents.cogmap.params import Params
 from agents.cogmap.places import Route, exits_of, route
 from cogmap_gym.geometry import Points
@@ -42,6 +42,7 @@ def weighed(memory: Memory, params: Params) -> tuple[Option, ...]:
     mark = None if memory.journey is None else memory.mark(memory.journey.mark)
     if memory.journey is None or mark is None:
         return ()
+    mark = replace(mark, place=place_of(memory, mark))
     blocked, at = memory.journey.blocked, memory.pose.position
     place = memory.stay.place
     known = route(memory.book, at, place, mark.point, mark.place, frozenset())

@@ -8,8 +8,16 @@ import numpy as np
 import shapely
 
 from agents.cogmap.asr import ASR, compute_asr
-from agents.cogmap.exits import NOWHERE, Book, Exit, crossed_exit, replace_exit, try_again
-from agents.cogmap.memory import CHECK, EXIT, GAP, Leads, Memory, Stay
+from agents.cogmap.exits import (
+    NOWHERE,
+    Book,
+    Exit,
+    crossed_exit,
+    give_up_exit,
+    replace_exit,
+    try_again,
+)
+from agents.cogmap.memory import CHECK, EXIT, GAP, MARK, Journey, Leads, Memory, Stay
 from agents.cogmap.mfis import UNTAGGED, tag
 from agents.cogmap.params import Params
 from agents.cogmap.places import exits_of
@@ -98,22 +106,37 @@ def leave(memory: Memory, crossed: Exit, params: Params) -> Memory:
         ),
         departures=(*departures, (stay.place, memory.travelled)),
         intent=None,
+        journey=_astray(memory, crossed),
         route=_shortened(memory.route, crossed.id),
     )
 
 
 def _beyond_it(book: Book, memory: Memory, ahead: int) -> Book:
-    """The book with the exit the robot was after put beyond the one its way led through."""
+    """The book with the exit the robot was after put beyond the one its way led through.
+
+    One crossed before stays where it is, but its way is known to be none.
+    """
     intent, place = memory.intent, memory.stay.place
     if intent is None or intent.kind not in (EXIT, CHECK):
         return book
     wanted = book[intent.exit - 1]
-    if wanted.crossed >= 0 or wanted.side_of(place) == 0:
+    if wanted.side_of(place) == 0 or wanted.crossed == memory.mapping.step:
         return book
+    if wanted.crossed >= 0:
+        return give_up_exit(book, wanted.id, memory.mapping.step, 1)
     left = ahead if wanted.left == place else wanted.left
     right = ahead if wanted.right == place else wanted.right
     changed = replace(wanted, left=left, right=right, failures=wanted.failures + 1)
     return replace_exit(book, changed)
+
+
+def _astray(memory: Memory, crossed: Exit) -> Journey | None:
+    """The journey, without the exit the robot was after if its way led through another."""
+    journey, intent = memory.journey, memory.intent
+    wanted = intent.exit if intent is not None and intent.kind == MARK else NOWHERE
+    if journey is None or wanted in (NOWHERE, crossed.id):
+        return journey
+    return replace(journey, blocked=journey.blocked | {wanted}, failed=journey.failed | {wanted})
 
 
 def _left_open(memory: Memory) -> Leads:
