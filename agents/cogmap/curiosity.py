@@ -61,6 +61,11 @@ def _hides(gaps: Segments, seen: Cells, params: Curiosity) -> Bools:
     return np.asarray((~np.isin(cells, seen)).mean(axis=(1, 2)) >= params.hidden_share)
 
 
+def worth_coming_back(gaps: Segments, params: Curiosity) -> Segments:
+    """Those gaps (G, 2, 2) that are worth a visit to a place once explored, (H, 2, 2)."""
+    return np.asarray(gaps[lengths(gaps) > params.lead_width])
+
+
 def follow_walls(
     leads: Leads,
     view: View,

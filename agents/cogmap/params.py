@@ -330,6 +330,8 @@ class Curiosity:
 
     visited: float = 1.2
     """A gap the robot came as near to is explored [m]. Ours: what it hid is then in view."""
+    lead_width: float = 1.5
+    """Narrower gaps are not come back for [m]. Ours: what furniture hides is not worth it."""
     cell: float = 0.25
     """Side of the cells by which is remembered what was seen to be free [m]. Ours: a body."""
     reach: float = 10.0

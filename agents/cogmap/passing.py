@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from agents.cogmap.asr import ASR, compute_asr
+from agents.cogmap.curiosity import worth_coming_back
 from agents.cogmap.exits import (
     NOWHERE,
     Book,
@@ -88,7 +89,7 @@ def leave(memory: Memory, crossed: Exit, params: Params) -> Memory:
     step = memory.mapping.step
     entered = replace(crossed, left=left, right=right, crossed=step, failures=0, given_up=-1)
     departures = tuple(d for d in memory.departures if d[0] != stay.place)
-    own = stay.place, _left_open(memory)
+    own = stay.place, _left_open(memory, params)
     return replace(
         memory,
         leads=(*(x for x in memory.leads if x[0] != stay.place), own),
@@ -139,7 +140,7 @@ def _astray(memory: Memory, crossed: Exit) -> Journey | None:
     return replace(journey, blocked=journey.blocked | {wanted}, failed=journey.failed | {wanted})
 
 
-def _left_open(memory: Memory) -> Leads:
+def _left_open(memory: Memory, params: Params) -> Leads:
     """What is left unexplored in the place just left, but what lies inside another place."""
     leads, intent, done = memory.stay.leads, memory.intent, memory.stay.leads.done
     if intent is not None and intent.kind == GAP:  # its way led out of the place
@@ -156,7 +157,8 @@ def _left_open(memory: Memory) -> Leads:
         inside = shapely.contains(elsewhere, shapely.points(midpoints(pieces)))
         return np.asarray(pieces[~inside])
 
-    return replace(leads, gaps=own(leads.gaps), dim=own(leads.dim), done=done)
+    gaps = worth_coming_back(own(leads.gaps), params.curiosity)
+    return replace(leads, gaps=gaps, dim=own(leads.dim), done=done)
 
 
 def _came_from_left(memory: Memory, crossed: Exit, started_left: bool) -> bool:

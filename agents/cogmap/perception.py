@@ -10,7 +10,13 @@ from numpy.typing import NDArray
 
 from agents.cogmap.association import Beams
 from agents.cogmap.bounded_space import Openings
-from agents.cogmap.curiosity import follow_gaps, follow_walls, not_yet_squarely, see_free
+from agents.cogmap.curiosity import (
+    follow_gaps,
+    follow_walls,
+    not_yet_squarely,
+    see_free,
+    worth_coming_back,
+)
 from agents.cogmap.exits import Book, in_doorway, remember_exits, remember_passages
 from agents.cogmap.mapper import update
 from agents.cogmap.memory import Memory, Stay
@@ -106,6 +112,8 @@ def _curious(
     p = params.curiosity
     leads = see_free(stay.leads, view, pose, laser, p)
     new = NO_SEGMENTS if seen is None else pose.apply(seen.gaps)
+    if stay.known:
+        new = worth_coming_back(new, p)
     leads = follow_gaps(leads, new, pose, book, p)
     leads = follow_walls(leads, view, pose, laser, book, p, new=seen is not None)
     return replace(stay, leads=leads, search=not_yet_squarely(stay.search, pose, laser, p))
