@@ -52,6 +52,14 @@ class Hypothesis:
         """What ranks shifts into one place, and places."""
         return self.coverage - self.contradiction - params.shift_penalty * self.distance
 
+    def sure(self, params: Association) -> bool:
+        """Whether the beams fit so well, and so near, that a rough boundary need not agree."""
+        return (
+            self.coverage >= params.sure_coverage
+            and self.contradiction <= params.sure_contradiction
+            and self.distance <= params.base_shift
+        )
+
     def holds(self, params: Association) -> bool:
         """Whether the evidence alone is good enough."""
         return (

@@ -145,6 +145,8 @@ def choose(memory: Memory, view: View, params: Params) -> Intent:
     if gap is not None:
         return Intent(GAP, gap)
     onward = way_to_leads(memory, params) or _oldest_exit(memory, params)
+    if onward is not None and onward.id == stay.entry and not _was_inside(memory, params):
+        return Intent(SPOT, _well_inside(memory, onward.middle, params))
     if onward is not None:
         return Intent(EXIT, onward.middle, onward.id)
     if stay.entry and memory.exit(stay.entry).failures < params.exploration.max_failures:
@@ -217,6 +219,15 @@ def _middle(memory: Memory, view: View, params: Params) -> Points:
     space = shapely.make_valid(shapely.Polygon(np.concatenate((np.zeros((1, 2)), cut))))
     radius = shapely.maximum_inscribed_circle(space, params.exploration.spot_tolerance)
     return np.asarray(memory.pose.position + shapely.get_coordinates(radius)[0])
+
+
+def _was_inside(memory: Memory, params: Params) -> bool:
+    """Whether the robot has gone well into this place since its entry, or tried to."""
+    if memory.intent is not None and memory.intent.kind == SPOT:
+        return True
+    entry, path = memory.exit(memory.stay.entry), memory.stay.path
+    away = np.hypot(*(path - entry.middle).T).max(initial=0.0)
+    return bool(away > params.exploration.inside - params.exploration.arrival)
 
 
 def _well_inside(memory: Memory, spot: Points, params: Params) -> Points:

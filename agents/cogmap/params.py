@@ -272,6 +272,10 @@ class Association:
     """Least share of beams that end on the place's surfaces [1]. Ours: right 0.41, wrong 0.09."""
     max_contradiction: float = 0.1
     """Largest share of beams that go through them [1]. Ours: FINDINGS 5."""
+    sure_coverage: float = 0.7
+    """From this share on, and near, no boundary is asked [1]. Ours: some rooms are cut badly."""
+    sure_contradiction: float = 0.02
+    """And up to this share of beams that go through surfaces [1]. Ours: single beams err."""
     margin: float = 0.15
     """Coverage by which the best place must lead the next [1]. Ours: FINDINGS 5."""
     min_inside: float = 0.9
@@ -424,6 +428,12 @@ class Gaps:
     """A beam so far beyond the wall has gone through it [m]. Ours: over a wall's thickness."""
     room_beyond: float = 1.3
     """Some of those go so far at least [m]. Ours: a niche 1.05 m deep beside a cupboard passed."""
+    known_wall: float = 0.15
+    """A beam that ends so near to a known wall ends on it [m]. Ours: drift, noise."""
+    max_known_door: float = 1.35
+    """Widest opening in a known wall that is a door [m]. Ours: 1.2 m and beams 7 cm apart."""
+    wall_beams: int = 3
+    """So many beams pass through it [1]. Ours: single beams err."""
     room_share: float = 0.2
     """Share that does [1]. Ours: a door in a corner is seen against the wall that goes on."""
     blocked_share: float = 0.1

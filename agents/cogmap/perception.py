@@ -26,7 +26,8 @@ from agents.cogmap.params import Params
 from agents.cogmap.passages import passages
 from agents.cogmap.places import seen_from
 from agents.cogmap.view import View
-from cogmap_gym.geometry import NO_SEGMENTS, Pose
+from agents.cogmap.wall_openings import wall_openings
+from cogmap_gym.geometry import NO_SEGMENTS, Pose, Segments
 from cogmap_gym.observation import LaserSpec
 
 
@@ -88,12 +89,23 @@ def survey(memory: Memory, view: View, seen: Openings, laser: LaserSpec, params:
     book, stay, pose = memory.book, memory.stay, memory.pose
     between = in_doorway(book, pose.position, params.exits)
     if not between and (stay.settled or not stay.known):
-        found = pose.apply(seen.exits)
+        found = np.concatenate((pose.apply(seen.exits), _opened(memory, view, laser, params)))
         step = memory.mapping.step
         book = remember_exits(book, found, stay.place, pose, step, params.exits)
     openings = None if between else seen
     stay = _curious(stay, view, openings, pose, laser, book, params)
     return replace(memory, book=book, stay=stay)
+
+
+def _opened(memory: Memory, view: View, laser: LaserSpec, params: Params) -> Segments:
+    """Openings of the view in walls of a known place, (E, 2, 2) in the MFIS."""
+    if not memory.stay.known or params.gaps.literal:
+        return NO_SEGMENTS
+    pose, mfis = memory.pose, memory.mapping.mfis
+    eye = (pose @ laser.robot_from_laser).position
+    ends = pose.apply(view.points[np.isfinite(view.points).all(axis=1)])
+    walls = mfis.surfaces[mfis.asr == memory.stay.place]
+    return wall_openings(walls, eye, ends, params.gaps)
 
 
 def _curious(

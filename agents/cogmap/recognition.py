@@ -128,7 +128,8 @@ def _possible(memory: Memory, hypothesis: Hypothesis, p: Association) -> bool:
         and twin.crossed >= 0
         and twin.beyond(hypothesis.place) not in (NOWHERE, memory.stay.came_from)
     )
-    return bool(inside >= p.min_inside and at_edge and not elsewhere)
+    fits = hypothesis.sure(p) or (inside >= p.min_inside and at_edge)
+    return bool(fits and not elsewhere)
 
 
 def _twin(memory: Memory, entry: Exit, hypothesis: Hypothesis) -> Exit | None:

@@ -43,7 +43,8 @@ def search_place(
         memory = _begun(memory, mark, known, params)
     memory = memory.with_stay(searching=memory.stay.searching + 1)
     stay = memory.stay
-    over = stay.looked and memory.travelled > stay.search_end
+    checking = memory.intent is not None and memory.intent.kind == CHECK
+    over = stay.looked and not checking and memory.travelled > stay.search_end
     if over or stay.searching > params.curiosity.search_steps:
         return searched(memory), None
     if not stay.known:
