@@ -17,9 +17,19 @@ from cogmap_gym.observation import RobotSpec
 Action = NDArray[np.float32]
 
 
-def drive_to(memory: Memory, target: Points, robot: RobotSpec, params: Params) -> Action | None:
-    """The next move towards a point (2,) in the MFIS, or None without a way."""
-    path = _way(memory, target, (), robot, params)
+def drive_to(
+    memory: Memory, target: Points, robot: RobotSpec, params: Params, *, leaving: bool = True
+) -> Action | None:
+    """The next move towards a point (2,) in the MFIS, or None without a way.
+
+    Args:
+        memory: where the robot is.
+        target: the point.
+        robot: limits of a move.
+        params: distances.
+        leaving: whether the way may lead through an exit where there is no other.
+    """
+    path = _way(memory, target, (), robot, params, leaving=leaving)
     return None if path is None else _move(memory, path, robot, params)
 
 
@@ -50,12 +60,18 @@ def drive_through(
 
 
 def _way(
-    memory: Memory, target: Points, through: tuple[int, ...], robot: RobotSpec, params: Params
+    memory: Memory,
+    target: Points,
+    through: tuple[int, ...],
+    robot: RobotSpec,
+    params: Params,
+    *,
+    leaving: bool = True,
 ) -> Points | None:
     """A way (K, 2) in the MFIS to a point (2,) of the present place, or to a spot on the way.
 
-    It leads through no exit but those of ``through``, unless there is no other way. Where the
-    point is beyond what a local plan can reach, the way goes over what was seen to be free.
+    It leads through no exit but those of ``through``, unless there is no other way and it may
+    leave. Where the point is beyond what a local plan can reach, the way goes over what was seen to be free.
     """
     at, nav = memory.pose.position, params.navigation
     shut = np.concatenate((memory.obstacles, _shut_doors(memory, through, params)))
@@ -63,7 +79,9 @@ def _way(
     if path is None:
         spot = spot_on_the_way(memory.stay.leads.seen, at, target, params.curiosity)
         path = None if spot is None else plan_path(shut, at, spot, nav, robot)
-    return plan_path(memory.obstacles, at, target, nav, robot) if path is None else path
+    if path is None and leaving:
+        return plan_path(memory.obstacles, at, target, nav, robot)
+    return path
 
 
 def _shut_doors(memory: Memory, through: tuple[int, ...], params: Params) -> Points:

@@ -256,7 +256,7 @@ def pursue(memory: Memory, robot: RobotSpec, params: Params) -> tuple[Memory, Ac
         if intent.kind == CHECK:
             return memory, drive_before(memory, target, side, robot, params)
         return memory, drive_through(memory, target, side, robot, params)
-    return memory, drive_to(memory, intent.target, robot, params)
+    return memory, drive_to(memory, intent.target, robot, params, leaving=False)
 
 
 def _afresh(memory: Memory) -> Memory:

@@ -380,7 +380,7 @@ class Journeys:
     """The robot declares this near to where it remembers the mark [m]. Ours: within 1 m asked."""
     near_enough: float = 0.9
     """A mark that cannot be reached is declared from within this [m]. Ours: 1 m is asked."""
-    search_worth: float = 0.5
+    search_worth: float = 0.25
     """Share of what a straight way would save that is spent on looking [1]. Ours: a detour."""
     shared_wall: float = 0.9
     """A wall so near to a place bounds it too [m]. Ours: a wall's thickness and drift."""

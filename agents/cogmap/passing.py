@@ -132,8 +132,13 @@ def _beyond_it(book: Book, memory: Memory, ahead: int) -> Book:
 
 
 def _astray(memory: Memory, crossed: Exit) -> Journey | None:
-    """The journey, without the exit the robot was after if its way led through another."""
+    """The journey, when the robot has crossed an exit that it was not after.
+
+    The one it was after is out of reach; a place it was searching is searched.
+    """
     journey, intent = memory.journey, memory.intent
+    if journey is not None and intent is not None and intent.kind == GAP:
+        return replace(journey, searched=journey.searched | {memory.stay.place})
     wanted = intent.exit if intent is not None and intent.kind == MARK else NOWHERE
     if journey is None or wanted in (NOWHERE, crossed.id):
         return journey

@@ -59,7 +59,7 @@ def search_place(
     while len(memory.stay.search):
         target = _nearest(memory, params)
         memory = replace(memory, intent=Intent(GAP, target))
-        action = drive_to(memory, target, robot, params)
+        action = drive_to(memory, target, robot, params, leaving=False)
         near = float(np.hypot(*(target - memory.pose.position))) < params.exploration.arrival
         if action is not None and not near:
             return memory, _short(action, robot, params)
