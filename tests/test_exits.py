@@ -41,40 +41,40 @@ def path(*points: tuple[float, float]) -> Points:
 
 
 def crossing(way: Points, exits: Book | None = None) -> int | None:
-    found = crossed_exit(book() if exits is None else exits, way, P)
+    found = crossed_exit(book() if exits is None else exits, way, 0, P)
     return None if found is None else found.id
 
 
 def test_a_new_exit_has_the_place_it_was_seen_from_on_its_left() -> None:
-    (new,) = remember_exits((), DOOR, 1, Pose(-2.0, 0.5, 0.0), P)
+    (new,) = remember_exits((), DOOR, 1, Pose(-2.0, 0.5, 0.0), 0, P)
     assert (new.id, new.left, new.right, new.sightings, new.crossed) == (1, 1, NOWHERE, 1, -1)
     assert new.middle == pytest.approx([0.0, 0.5])
     assert new.normal == pytest.approx([-1.0, 0.0])
 
 
 def test_an_exit_counts_once_it_was_seen_twice() -> None:
-    once = remember_exits((), DOOR, 1, Pose(-2.0, 0.5, 0.0), P)
-    twice = remember_exits(once, DOOR + 0.05, 1, Pose(-1.5, 0.5, 0.0), P)
+    once = remember_exits((), DOOR, 1, Pose(-2.0, 0.5, 0.0), 0, P)
+    twice = remember_exits(once, DOOR + 0.05, 1, Pose(-1.5, 0.5, 0.0), 0, P)
     assert [e.trusted(P) for e in (*once, *twice)] == [False, True]
     assert len(twice) == 1
 
 
 def test_exits_of_an_empty_view_change_nothing() -> None:
-    assert remember_exits((), NONE, 1, Pose(), P) == ()
+    assert remember_exits((), NONE, 1, Pose(), 0, P) == ()
     known = book()
-    assert remember_exits(known, NONE, 1, Pose(), P) is known
+    assert remember_exits(known, NONE, 1, Pose(), 0, P) is known
 
 
 def test_a_sighting_from_near_moves_the_line_more_than_one_from_far() -> None:
     moved = DOOR + np.array((0.2, 0.0))
-    near = remember_exits(book(), moved, 1, Pose(-2.0, 0.5, 0.0), P)[0].line
-    far = remember_exits(book(), moved, 1, Pose(-9.0, 0.5, 0.0), P)[0].line
+    near = remember_exits(book(), moved, 1, Pose(-2.0, 0.5, 0.0), 0, P)[0].line
+    far = remember_exits(book(), moved, 1, Pose(-9.0, 0.5, 0.0), 0, P)[0].line
     assert 0.0 < far[0, 0] < near[0, 0] < 0.2
 
 
 def test_the_same_exit_seen_from_its_other_side_gets_the_place_there() -> None:
     door = replace(book()[0], crossed=5, right=NOWHERE)
-    (seen,) = remember_exits((door,), DOOR[:, ::-1], 2, Pose(2.0, 0.5, 0.0), P)
+    (seen,) = remember_exits((door,), DOOR[:, ::-1], 2, Pose(2.0, 0.5, 0.0), 0, P)
     assert (seen.left, seen.right) == (1, 2)
     assert (seen.line[1] - seen.line[0]) @ (DOOR[0, 1] - DOOR[0, 0]) > 0.0
 
@@ -82,19 +82,19 @@ def test_the_same_exit_seen_from_its_other_side_gets_the_place_there() -> None:
 def test_an_exit_seen_through_a_known_one_does_not_belong_to_this_place() -> None:
     beyond = segments((3, 0.2, 3, 1.2))
     known = book()
-    assert remember_exits(known, beyond, 1, Pose(-2.0, 0.5, 0.0), P) == known
-    assert len(remember_exits(known, beyond, 1, Pose(1.0, 0.5, 0.0), P)) == 2
+    assert remember_exits(known, beyond, 1, Pose(-2.0, 0.5, 0.0), 0, P) == known
+    assert len(remember_exits(known, beyond, 1, Pose(1.0, 0.5, 0.0), 0, P)) == 2
 
 
 def test_the_nearest_exit_of_like_direction_is_the_same_exit() -> None:
     two = book(segments((0, 0, 0, 1), (0, 0.5, 0, 1.4)))
     line = np.array([[0.0, 0.4], [0.0, 1.3]])
-    found = match_exit(two, line, P)
+    found = match_exit(two, line, 0, P)
     assert found is not None
     assert found.id == 2
-    assert match_exit(two, line + 5.0, P) is None
+    assert match_exit(two, line + 5.0, 0, P) is None
     across = np.array([[-0.5, 0.5], [0.5, 0.5]])
-    assert match_exit(book(), across, P) is None
+    assert match_exit(book(), across, 0, P) is None
 
 
 def test_a_path_through_the_exit_and_well_beyond_crosses_it() -> None:

@@ -71,7 +71,8 @@ def _way(
     """A way (K, 2) in the MFIS to a point (2,) of the present place, or to a spot on the way.
 
     It leads through no exit but those of ``through``, unless there is no other way and it may
-    leave. Where the point is beyond what a local plan can reach, the way goes over what was seen to be free.
+    leave. Where the point is beyond what a local plan can reach, the way goes over what was seen
+    to be free.
     """
     at, nav = memory.pose.position, params.navigation
     shut = np.concatenate((memory.obstacles, _shut_doors(memory, through, params)))

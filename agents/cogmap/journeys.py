@@ -11,7 +11,7 @@ from agents.cogmap.exits import NOWHERE, Exit
 from agents.cogmap.exploration import explore
 from agents.cogmap.memory import MARK, Intent, Journey, Mark, Memory, place_of
 from agents.cogmap.params import Params
-from agents.cogmap.places import Route, exits_of, route
+from agents.cogmap.places import Route, exits_of, linked, route
 from agents.cogmap.search import search_place, unsearched
 from agents.cogmap.view import View
 from agents.cogmap.wandering import straight
@@ -73,12 +73,26 @@ def _without_a_way(
         onward = _untried(memory, mark, params) or _towards_search(memory, mark, params)
     if onward is not None:
         return _by_exit(memory, onward, mark, view, robot, params)
-    if journey.failed and not journey.retried:
+    doubtful = _doubtful_blocks(memory)
+    if doubtful and not journey.retried:
         again = replace(
-            journey, blocked=journey.blocked - journey.failed, failed=frozenset(), retried=True
+            journey, blocked=journey.blocked - doubtful, failed=frozenset(), retried=True
         )
         return travel(replace(memory, journey=again), mark, view, robot, params)
     return replace(memory, intent=None, status=f"no route to mark {mark.id}"), robot.declare()
+
+
+def _doubtful_blocks(memory: Memory) -> frozenset[int]:
+    """The exits to try once more before giving in.
+
+    Those that could not be reached, though not seen to be shut; all, where the robot believes to
+    be shut in itself: what is shut is more likely the goal.
+    """
+    journey = memory.journey
+    assert journey is not None, "a journey has begun"
+    near = linked(memory.book, memory.stay.place, journey.blocked)
+    whole = linked(memory.book, memory.stay.place, frozenset())
+    return journey.blocked if 2 * len(near) < len(whole) else journey.failed
 
 
 def _untried(memory: Memory, mark: Mark, params: Params) -> Exit | None:

@@ -142,7 +142,7 @@ def normalise(
             new = [max(min(ends[0], 0.0), low), min(max(ends[1], span), high)]
             for end, grown in ((0, -new[0]), (1, new[1] - span)):
                 least = params.end_growth if physical[j, end] else params.min_growth
-                if grown <= 0.0 or (grown < least and not params.literal):
+                if grown <= params.rounding or (grown < least and not params.literal):
                     new[end] = 0.0 if end == 0 else span
                 else:
                     reached = bool(new[end] == ends[end])

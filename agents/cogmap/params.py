@@ -136,6 +136,8 @@ class Transfer:
     """Noise of one range [m]. Ours: SICK LMS-200."""
     min_growth: float = 0.05
     """A surface lengthens by no less [m]. Ours: noise of its end."""
+    rounding: float = 1e-9
+    """Less is no growth but rounding [m]. Ours: processors differ in the last bit."""
     end_growth: float = 0.3
     """The end of a wall moves only for as much [m]. Ours: FINDINGS 3, walls grow else."""
     corner_slack: float = 0.25
