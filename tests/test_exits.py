@@ -41,7 +41,7 @@ def path(*points: tuple[float, float]) -> Points:
 
 
 def crossing(way: Points, exits: Book | None = None) -> int | None:
-    found = crossed_exit(book() if exits is None else exits, way, 0, P)
+    found = crossed_exit(book() if exits is None else exits, way, P)
     return None if found is None else found.id
 
 
@@ -89,12 +89,12 @@ def test_an_exit_seen_through_a_known_one_does_not_belong_to_this_place() -> Non
 def test_the_nearest_exit_of_like_direction_is_the_same_exit() -> None:
     two = book(segments((0, 0, 0, 1), (0, 0.5, 0, 1.4)))
     line = np.array([[0.0, 0.4], [0.0, 1.3]])
-    found = match_exit(two, line, 0, P)
+    found = match_exit(two, line, P)
     assert found is not None
     assert found.id == 2
-    assert match_exit(two, line + 5.0, 0, P) is None
+    assert match_exit(two, line + 5.0, P) is None
     across = np.array([[-0.5, 0.5], [0.5, 0.5]])
-    assert match_exit(book(), across, 0, P) is None
+    assert match_exit(book(), across, P) is None
 
 
 def test_a_path_through_the_exit_and_well_beyond_crosses_it() -> None:
