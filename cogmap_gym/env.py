@@ -13,6 +13,7 @@ import numpy as np
 from gymnasium.envs.registration import EnvSpec
 from numpy.typing import NDArray
 
+from cogmap_gym.actions import DECLARED, checked, turn_and_forward
 from cogmap_gym.body import Motion
 from cogmap_gym.courses import course_of
 from cogmap_gym.floor_plan import FloorPlan
@@ -32,8 +33,6 @@ from cogmap_gym.world import World
 if TYPE_CHECKING:
     from cogmap_gym.render import Scene
 
-DECLARED = 0.5
-"""An action whose third number is above this says "I am there". DESIGN 3."""
 STEPS_A_MOVE = 25
 """Steps of velocity control for which the budgets grant one move: 1.75 m at top speed."""
 STILL = Pose()
@@ -132,7 +131,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         Raises:
             ValueError: an action of another shape than (3,), or with NaN in it.
         """
-        first, second, third = _checked(action)
+        first, second, third = checked(action)
         declared = third > DECLARED
         motion = NO_MOTION if declared else self._move(first, second)
         measured = STILL if declared else self._measure(motion)
@@ -191,7 +190,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
     def _move(self, first: float, second: float) -> Motion:
         robot = self.robot
         if robot.control == "move":
-            return self.world.move(first * robot.max_turn, robot.max_forward * (second + 1.0) / 2.0)
+            return self.world.move(*turn_and_forward(robot, first, second))
         return self.world.drive(first * robot.max_speed, second * robot.max_turn_rate)
 
     def _measure(self, motion: Motion) -> Pose:
@@ -231,14 +230,6 @@ def _home(options: Mapping[str, Any] | None, default: Pose) -> Pose:
         raise ValueError(f"options: home: expected [x, y, degrees], got {options['home']!r}")
     x, y, degrees = map(float, numbers)
     return STILL @ Pose(x, y, math.radians(degrees))
-
-
-def _checked(action: Any) -> tuple[float, ...]:
-    """The three numbers of an action, clipped to [-1, 1]."""
-    values = np.asarray(action, dtype=np.float64)
-    if values.shape != (3,) or np.isnan(values).any():
-        raise ValueError(f"action: expected 3 numbers, none NaN, got {action!r}")
-    return tuple(np.clip(values, -1.0, 1.0).tolist())
 
 
 def _jsonable(value: Any) -> Any:

@@ -1,7 +1,7 @@
 """Run one episode of an agent and show how it went.
 
 Usage: python scripts/run.py --env CogMap/GoHome-v0 --map thesis_office --agent cogmap
-           [--odometry medium] [--seed 0] [--out DIR] [--video FILE.gif]
+           [--control move] [--odometry medium] [--seed 0] [--out DIR] [--video FILE.gif]
 
 Writes DIR/final.png, the truth beside what the agent believes, and with --video a film.
 """
@@ -23,6 +23,7 @@ from agents.cogmap.agent import CogMapAgent
 from agents.rollout import run_episode
 from cogmap_gym.experiment_figures import overview_figure
 from cogmap_gym.saving import save_png
+from cogmap_gym.wrappers import MoveControl
 
 AGENTS = {"cogmap": CogMapAgent}
 """Robot programs by name."""
@@ -96,6 +97,9 @@ def main(
     map_: Annotated[str, typer.Option("--map", help="plan, by name or path")] = "thesis_office",
     agent: Annotated[str, typer.Option(help=f"one of {', '.join(AGENTS)}")] = "cogmap",
     odometry: Annotated[str, typer.Option(help="perfect, low, medium, high or severe")] = "medium",
+    control: Annotated[
+        str, typer.Option(help="move, or velocity: moves by steps of 0.1 s")
+    ] = "move",
     seed: Annotated[int, typer.Option(min=0, help="of the episode")] = 0,
     out: Annotated[Path, typer.Option(file_okay=False, help="folder to write to")] = Path(
         "out/run"
@@ -110,7 +114,8 @@ def main(
         )
     try:
         mode = None if video is None else "rgb_array"
-        made = gym.make(env, map=map_, odometry=odometry, render_mode=mode)
+        made = gym.make(env, map=map_, control=control, odometry=odometry, render_mode=mode)
+        made = made if control == "move" else MoveControl(made)
         watch = Watch(made, None if video is None else Film(video))
     except (ValueError, OSError) as error:
         raise typer.BadParameter(str(error)) from error
