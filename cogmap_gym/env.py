@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +16,9 @@ from cogmap_gym.body import Motion
 from cogmap_gym.courses import course_of
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Pose
+from cogmap_gym.keywords import home_of, jsonable, most_moves
 from cogmap_gym.observation import LaserSpec, Observation, RobotSpec, observation_space
+from cogmap_gym.screen import Window
 from cogmap_gym.sensors import (
     Laser,
     Odometer,
@@ -53,7 +53,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         max_moves: steps after which an episode is truncated. By default ``Explore`` gets 200
             and one a square metre of free space, ``GoHome`` 120 and three quarters a square
             metre, the others the sum of their budgets; 25 times as many in velocity control.
-        render_mode: None or ``"rgb_array"``.
+        render_mode: None, ``"rgb_array"`` or ``"human"``, a window that every step draws in.
         experiment: which experiment ``"thesis"`` runs, 1 to 3; None for any other task.
         unreachable: share of the goals of ``"shortcut"`` to which no route is left.
 
@@ -64,7 +64,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         ValueError: on any keyword that is out of bounds, naming it.
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012 - Gymnasium's type
+    metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 10}  # noqa: RUF012 - Gymnasium's type
 
     def __init__(
         self,
@@ -92,12 +92,13 @@ class CogMapEnv(gym.Env[Observation, Any]):
         course = course_of(task, experiment, unreachable)
         steps_a_move = 1 if control == "move" else STEPS_A_MOVE
         self.task = Task(course, self.world, self.laser, steps_a_move)
-        self.max_moves = _max_moves(max_moves, steps_a_move * course.most_moves(self.plan))
+        self.max_moves = most_moves(max_moves, steps_a_move * course.most_moves(self.plan))
         self._scanner = Laser(self.world.caster, self.laser)
         self._bound = odometry_bound(self.robot, self.odometry)
         self.observation_space = observation_space(self.laser, self._bound)
         self.action_space = self.robot.action_space
         self._sketch: dict[str, Any] | None = None
+        self._window = Window(frames_per_second=self.metadata["render_fps"])
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -113,7 +114,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         """
         super().reset(seed=seed)
         _layout, goals, self._noise = self.np_random.spawn(3)
-        home = _home(options, self.plan.home)
+        home = home_of(options, self.plan.home)
         self.world.set_state(self._start)
         self.world.place(home)
         self.task.reset(goals)
@@ -121,7 +122,9 @@ class CogMapEnv(gym.Env[Observation, Any]):
         self._moves = 0
         self._path = [home.position]
         self._sketch = None
-        return self._observe(STILL, bump=False), self.task.info()
+        observation = self._observe(STILL, bump=False)
+        self._show(wait=True)
+        return observation, self.task.info()
 
     def step(
         self, action: NDArray[np.float32]
@@ -140,6 +143,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         self._path.extend(motion.path[1:])
         observation = self._observe(measured, bump=motion.bump)
         truncated = not terminated and self._moves >= self.max_moves
+        self._show(wait=True)
         return observation, float(reward), terminated, truncated, self.task.info()
 
     def set_sketch(self, sketch: dict[str, Any] | None) -> None:
@@ -147,12 +151,20 @@ class CogMapEnv(gym.Env[Observation, Any]):
         self._sketch = sketch
 
     def render(self) -> NDArray[np.uint8] | None:
-        """A picture uint8 (H, W, 3) of the world, and of the sketch if one was set."""
-        if self.render_mode is None:
+        """A picture uint8 (H, W, 3) of the world, and of the sketch if one was set.
+
+        In mode ``"human"`` the window is drawn anew, and there is no picture.
+        """
+        if self.render_mode != "rgb_array":
+            self._show(wait=False)
             return None
         from cogmap_gym.render import draw
 
         return draw(self.scene())
+
+    def close(self) -> None:
+        """Close the window, if there is one; closing twice is fine."""
+        self._window.close()
 
     def scene(self) -> Scene:
         """All that a picture of this moment shows, the sketch that was set included."""
@@ -182,10 +194,14 @@ class CogMapEnv(gym.Env[Observation, Any]):
     @spec.setter
     def spec(self, spec: EnvSpec | None) -> None:
         if spec is not None:
-            spec.kwargs = {key: _jsonable(value) for key, value in spec.kwargs.items()}
+            spec.kwargs = {key: jsonable(value) for key, value in spec.kwargs.items()}
         self._spec = spec
 
     _spec: EnvSpec | None = None
+
+    def _show(self, *, wait: bool) -> None:
+        if self.render_mode == "human":
+            self._window.show(self.scene(), wait=wait)
 
     def _move(self, first: float, second: float) -> Motion:
         robot = self.robot
@@ -208,34 +224,3 @@ class CogMapEnv(gym.Env[Observation, Any]):
             "mark": np.int64(self.task.mark),
             "goal": np.int64(self.task.goal),
         }
-
-
-def _max_moves(asked: int | None, default: int) -> int:
-    if asked is None:
-        return default
-    if isinstance(asked, bool) or not isinstance(asked, int) or asked < 1:
-        raise ValueError(f"max_moves: expected an int of at least 1, got {asked!r}")
-    return asked
-
-
-def _home(options: Mapping[str, Any] | None, default: Pose) -> Pose:
-    """Where the options put home."""
-    unknown = set(options or ()) - {"home"}
-    if unknown:
-        raise ValueError(f"options: expected only 'home', got {sorted(unknown)}")
-    if not options:
-        return default
-    numbers = np.asarray(options["home"], dtype=np.float64)
-    if numbers.shape != (3,) or not np.isfinite(numbers).all():
-        raise ValueError(f"options: home: expected [x, y, degrees], got {options['home']!r}")
-    x, y, degrees = map(float, numbers)
-    return STILL @ Pose(x, y, math.radians(degrees))
-
-
-def _jsonable(value: Any) -> Any:
-    """A keyword as JSON can hold it: specs and plans as mappings, paths as strings."""
-    if isinstance(value, FloorPlan):
-        return value.to_mapping()
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return dataclasses.asdict(value)
-    return str(value) if isinstance(value, Path) else value

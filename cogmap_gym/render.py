@@ -2,14 +2,13 @@
 
 Drawn by Matplotlib's Agg canvas rather than on pygame surfaces: frames and the figures
 for publication then share one way to draw, lines are smooth, no display is needed, and a
-frame takes some tens of milliseconds. Matplotlib and pygame are imported when the first
-frame is drawn or shown, so that training without pictures never loads them.
+frame takes some tens of milliseconds; a window to watch in is drawn by ``screen``. Matplotlib
+is imported when the first frame is drawn, so that training without pictures never loads it.
 """
 
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -101,39 +100,6 @@ def scan_ends(ranges: NDArray[Any], laser: LaserSpec, plan_from_robot: Pose) -> 
     reach, angles = ranges[hit].astype(np.float64), laser.angles[hit]
     ends = np.stack((reach * np.cos(angles), reach * np.sin(angles)), axis=-1)
     return (plan_from_robot @ laser.robot_from_laser).apply(ends)
-
-
-class Window:
-    """Shows frames on the screen through pygame; opened by the first frame."""
-
-    def __init__(self, title: str = "cogmap_gym", frames_per_second: float = 10.0) -> None:
-        self.title = title
-        self.frames_per_second = frames_per_second
-        self._surface: Any = None
-        self._clock: Any = None
-
-    def show(self, frame: Frame) -> None:
-        """Show one frame (H, W, 3) and keep to the pace."""
-        os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
-        import pygame
-
-        if self._surface is None:
-            pygame.display.init()
-            pygame.display.set_caption(self.title)
-            self._surface = pygame.display.set_mode((frame.shape[1], frame.shape[0]))
-            self._clock = pygame.time.Clock()
-        pygame.surfarray.blit_array(self._surface, frame.swapaxes(0, 1))
-        pygame.event.pump()
-        pygame.display.flip()
-        self._clock.tick(self.frames_per_second)
-
-    def close(self) -> None:
-        """Close the window; closing twice is fine."""
-        if self._surface is not None:
-            import pygame
-
-            pygame.display.quit()
-            self._surface = None
 
 
 def _set_window(ax: Axes, plan: FloorPlan, shape: float) -> None:

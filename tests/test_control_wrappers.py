@@ -17,7 +17,7 @@ from agents.rollout import run_episode
 from cogmap_gym.env import STEPS_A_MOVE, CogMapEnv
 from cogmap_gym.geometry import Pose
 from cogmap_gym.wrappers import DiscreteControl, MoveControl
-from tests.test_env import walk
+from tests.test_env import in_haste, walk  # noqa: F401 - a fixture
 
 ROOM = {
     "name": "room",

@@ -26,7 +26,7 @@ from cogmap_gym.wrappers import (
     StackedScans,
     TruePose,
 )
-from tests.test_env import digest
+from tests.test_env import digest, in_haste  # noqa: F401 - a fixture
 
 HALL = {
     "name": "hall",
