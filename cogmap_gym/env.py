@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 from cogmap_gym.actions import DECLARED, checked, turn_and_forward
 from cogmap_gym.body import Motion
 from cogmap_gym.courses import course_of
+from cogmap_gym.dynamics import dynamics_level
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Pose
 from cogmap_gym.keywords import home_of, jsonable, most_moves
+from cogmap_gym.living_world import LivingWorld, living_or_still
 from cogmap_gym.observation import LaserSpec, Observation, RobotSpec, observation_space
 from cogmap_gym.screen import Window
 from cogmap_gym.sensors import (
@@ -28,7 +30,6 @@ from cogmap_gym.sensors import (
     odometry_reading,
 )
 from cogmap_gym.tasks import Task
-from cogmap_gym.world import World
 
 if TYPE_CHECKING:
     from cogmap_gym.render import Scene
@@ -56,6 +57,8 @@ class CogMapEnv(gym.Env[Observation, Any]):
         render_mode: None, ``"rgb_array"`` or ``"human"``, a window that every step draws in.
         experiment: which experiment ``"thesis"`` runs, 1 to 3; None for any other task.
         unreachable: share of the goals of ``"shortcut"`` to which no route is left.
+        dynamics: what moves but the robot: ``"off"``, ``"furniture"`` that it can push,
+            ``"doors"`` on a schedule, ``"people"`` who walk about, or all, ``"busy"``.
 
     Specs and plans may be given as objects; ``spec`` then holds their mappings, so that it
     survives JSON. ``reset(options={"home": [x, y, degrees]})`` moves home for one episode.
@@ -77,6 +80,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         render_mode: str | None = None,
         experiment: int | None = None,
         unreachable: float = 0.0,
+        dynamics: str = "off",
     ) -> None:
         """Load the plan and build world, sensors and task; ``reset`` begins an episode."""
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
@@ -87,7 +91,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         self.laser = laser_spec(laser)
         self.odometry = OdometrySpec.of(odometry)
         self.plan = FloorPlan.load(map)
-        self.world = World(self.plan, self.robot)
+        self.world = living_or_still(self.plan, self.robot, dynamics_level(dynamics, task))
         self._start = self.world.state()
         course = course_of(task, experiment, unreachable)
         steps_a_move = 1 if control == "move" else STEPS_A_MOVE
@@ -113,10 +117,12 @@ class CogMapEnv(gym.Env[Observation, Any]):
             ValueError: an unknown option, or a home that is no place for the robot.
         """
         super().reset(seed=seed)
-        _layout, goals, self._noise = self.np_random.spawn(3)
+        layout, goals, self._noise = self.np_random.spawn(3)
         home = home_of(options, self.plan.home)
         self.world.set_state(self._start)
         self.world.place(home)
+        if isinstance(self.world, LivingWorld):
+            self.world.begin(layout)
         self.task.reset(goals)
         self._odometer = Odometer(self.odometry, self._noise)
         self._moves = 0
@@ -177,6 +183,8 @@ class CogMapEnv(gym.Env[Observation, Any]):
             world.pose,
             shut=tuple(sorted(world.shut_doors)),
             barriers=tuple(sorted(world.present_barriers)),
+            boxes=world.box_outlines,
+            people=world.people_outlines,
             scan=scan_ends(self._scan, self.laser, world.pose),
             path=np.array(self._path),
             sketch=self._sketch,

@@ -45,6 +45,10 @@ class Scene:
     """Names of the doors that are shut."""
     barriers: tuple[str, ...] = ()
     """Names of the barriers that stand."""
+    boxes: tuple[Points, ...] = ()
+    """Corners of what can be pushed, (K, 2) each."""
+    people: tuple[Points, ...] = ()
+    """Corners of people, (K, 2) each."""
     scan: Points = field(default_factory=lambda: np.zeros((0, 2)))
     """Where the beams ended, (K, 2)."""
     path: Points = field(default_factory=lambda: np.zeros((0, 2)))
@@ -119,6 +123,10 @@ def _draw_truth(ax: Axes, scene: Scene) -> None:
     from cogmap_gym.journey_figures import plot_goal
 
     figures.plot_plan(ax, scene.plan, shut=scene.shut, barriers=scene.barriers)
+    for outline in scene.boxes:
+        ax.fill(*outline.T, facecolor=figures.GREEN + "60", edgecolor=figures.GREEN, lw=1.0)
+    for outline in scene.people:
+        ax.fill(*outline.T, facecolor=figures.PURPLE, edgecolor=figures.PURPLE, zorder=3)
     if len(scene.scan):
         ax.plot(*np.asarray(scene.scan).T, ".", color=figures.ORANGE, ms=2.5, zorder=3)
     figures.plot_path(ax, scene.path)

@@ -121,6 +121,9 @@ class Painter:
                 line = view.pixels(leaf)
                 _line(surface, line, colors.VERMILLION, 4)
                 self._write(surface, name, _beside(line), colors.VERMILLION)
+        for shapes, color in ((scene.boxes, colors.GREEN), (scene.people, colors.PURPLE)):
+            for outline in shapes:
+                pygame.draw.polygon(surface, color, view.pixels(outline).tolist())
         _way(surface, view, scene.path, colors.BLUE)
         for x, y in view.pixels(scene.scan).tolist():
             surface.fill(colors.ORANGE, (round(x) - 1, round(y) - 1, 3, 3))
