@@ -71,6 +71,7 @@ class PushingBody(Body):
     ) -> None:
         """Put all in place, and the disc at the origin."""
         super().__init__(robot, segments)
+        self._space.damping = 0.0  # each step forgets a box's velocity; contact gives it anew
         self._boxes = tuple(boxes)
         self._loose = [self._new_box(box) for box in boxes]
         self._people = [self._new_person(corners) for corners in people]
@@ -90,7 +91,6 @@ class PushingBody(Body):
         corners = box.shape.tolist()
         body = pymunk.Body(BOX_MASS, pymunk.moment_for_poly(BOX_MASS, corners))
         body.position, body.angle = (box.pose.x, box.pose.y), box.pose.theta
-        body.velocity_func = _stay
         shape = pymunk.Poly(body, corners)
         shape.filter = pymunk.ShapeFilter(categories=SOLID, mask=SOLID | BODY)
         self._space.add(body, shape)
@@ -107,11 +107,6 @@ class PushingBody(Body):
             for body in self._loose:
                 body.velocity, body.angular_velocity = (0.0, 0.0), 0.0
         return super()._substep(ux, uy, left, touching)
-
-
-def _stay(body: pymunk.Body, _gravity: tuple[float, float], _damping: float, _dt: float) -> None:
-    """Forget the velocity; a contact of this step gives it a new one."""
-    body.velocity, body.angular_velocity = (0.0, 0.0), 0.0
 
 
 def _moved(box: Box, body: pymunk.Body) -> Box:
