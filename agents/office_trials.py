@@ -17,7 +17,7 @@ import cogmap_gym  # noqa: F401 - registers the environments
 from agents.cogmap.agent import CogMapAgent
 from agents.rollout import Episode, run_episode
 from cogmap_gym import figures
-from cogmap_gym.env import DECLARED
+from cogmap_gym.actions import DECLARED
 from cogmap_gym.experiment_figures import overview_figure
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Pose

@@ -59,7 +59,7 @@ def run_episode(
     """
     world = env.unwrapped
     observation, info = env.reset(seed=seed)
-    agent.reset(world.robot, world.laser)  # type: ignore[attr-defined]
+    agent.reset(env.get_wrapper_attr("robot"), env.get_wrapper_attr("laser"))
     path, total, done, terminated = [info["pose"]], 0.0, False, False
     phases: list[dict[str, Any]] = []
     while not done:

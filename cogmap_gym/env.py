@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,11 +11,16 @@ import numpy as np
 from gymnasium.envs.registration import EnvSpec
 from numpy.typing import NDArray
 
+from cogmap_gym.actions import DECLARED, checked, turn_and_forward
 from cogmap_gym.body import Motion
 from cogmap_gym.courses import course_of
+from cogmap_gym.dynamics import dynamics_level
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Pose
+from cogmap_gym.keywords import home_of, jsonable, most_moves
+from cogmap_gym.living_world import LivingWorld, living_or_still
 from cogmap_gym.observation import LaserSpec, Observation, RobotSpec, observation_space
+from cogmap_gym.screen import Window
 from cogmap_gym.sensors import (
     Laser,
     Odometer,
@@ -27,13 +30,10 @@ from cogmap_gym.sensors import (
     odometry_reading,
 )
 from cogmap_gym.tasks import Task
-from cogmap_gym.world import World
 
 if TYPE_CHECKING:
     from cogmap_gym.render import Scene
 
-DECLARED = 0.5
-"""An action whose third number is above this says "I am there". DESIGN 3."""
 STEPS_A_MOVE = 25
 """Steps of velocity control for which the budgets grant one move: 1.75 m at top speed."""
 STILL = Pose()
@@ -54,9 +54,11 @@ class CogMapEnv(gym.Env[Observation, Any]):
         max_moves: steps after which an episode is truncated. By default ``Explore`` gets 200
             and one a square metre of free space, ``GoHome`` 120 and three quarters a square
             metre, the others the sum of their budgets; 25 times as many in velocity control.
-        render_mode: None or ``"rgb_array"``.
+        render_mode: None, ``"rgb_array"`` or ``"human"``, a window that every step draws in.
         experiment: which experiment ``"thesis"`` runs, 1 to 3; None for any other task.
         unreachable: share of the goals of ``"shortcut"`` to which no route is left.
+        dynamics: what moves but the robot: ``"off"``, ``"furniture"`` that it can push,
+            ``"doors"`` on a schedule, ``"people"`` who walk about, or all, ``"busy"``.
 
     Specs and plans may be given as objects; ``spec`` then holds their mappings, so that it
     survives JSON. ``reset(options={"home": [x, y, degrees]})`` moves home for one episode.
@@ -65,7 +67,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         ValueError: on any keyword that is out of bounds, naming it.
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012 - Gymnasium's type
+    metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 10}  # noqa: RUF012 - Gymnasium's type
 
     def __init__(
         self,
@@ -78,6 +80,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         render_mode: str | None = None,
         experiment: int | None = None,
         unreachable: float = 0.0,
+        dynamics: str = "off",
     ) -> None:
         """Load the plan and build world, sensors and task; ``reset`` begins an episode."""
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
@@ -88,17 +91,18 @@ class CogMapEnv(gym.Env[Observation, Any]):
         self.laser = laser_spec(laser)
         self.odometry = OdometrySpec.of(odometry)
         self.plan = FloorPlan.load(map)
-        self.world = World(self.plan, self.robot)
+        self.world = living_or_still(self.plan, self.robot, dynamics_level(dynamics, task))
         self._start = self.world.state()
         course = course_of(task, experiment, unreachable)
         steps_a_move = 1 if control == "move" else STEPS_A_MOVE
         self.task = Task(course, self.world, self.laser, steps_a_move)
-        self.max_moves = _max_moves(max_moves, steps_a_move * course.most_moves(self.plan))
+        self.max_moves = most_moves(max_moves, steps_a_move * course.most_moves(self.plan))
         self._scanner = Laser(self.world.caster, self.laser)
         self._bound = odometry_bound(self.robot, self.odometry)
         self.observation_space = observation_space(self.laser, self._bound)
         self.action_space = self.robot.action_space
         self._sketch: dict[str, Any] | None = None
+        self._window = Window(frames_per_second=self.metadata["render_fps"])
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -113,16 +117,20 @@ class CogMapEnv(gym.Env[Observation, Any]):
             ValueError: an unknown option, or a home that is no place for the robot.
         """
         super().reset(seed=seed)
-        _layout, goals, self._noise = self.np_random.spawn(3)
-        home = _home(options, self.plan.home)
+        layout, goals, self._noise = self.np_random.spawn(3)
+        home = home_of(options, self.plan.home)
         self.world.set_state(self._start)
         self.world.place(home)
+        if isinstance(self.world, LivingWorld):
+            self.world.begin(layout)
         self.task.reset(goals)
         self._odometer = Odometer(self.odometry, self._noise)
         self._moves = 0
         self._path = [home.position]
         self._sketch = None
-        return self._observe(STILL, bump=False), self.task.info()
+        observation = self._observe(STILL, bump=False)
+        self._show(wait=True)
+        return observation, self.task.info()
 
     def step(
         self, action: NDArray[np.float32]
@@ -132,7 +140,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         Raises:
             ValueError: an action of another shape than (3,), or with NaN in it.
         """
-        first, second, third = _checked(action)
+        first, second, third = checked(action)
         declared = third > DECLARED
         motion = NO_MOTION if declared else self._move(first, second)
         measured = STILL if declared else self._measure(motion)
@@ -141,6 +149,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         self._path.extend(motion.path[1:])
         observation = self._observe(measured, bump=motion.bump)
         truncated = not terminated and self._moves >= self.max_moves
+        self._show(wait=True)
         return observation, float(reward), terminated, truncated, self.task.info()
 
     def set_sketch(self, sketch: dict[str, Any] | None) -> None:
@@ -148,12 +157,20 @@ class CogMapEnv(gym.Env[Observation, Any]):
         self._sketch = sketch
 
     def render(self) -> NDArray[np.uint8] | None:
-        """A picture uint8 (H, W, 3) of the world, and of the sketch if one was set."""
-        if self.render_mode is None:
+        """A picture uint8 (H, W, 3) of the world, and of the sketch if one was set.
+
+        In mode ``"human"`` the window is drawn anew, and there is no picture.
+        """
+        if self.render_mode != "rgb_array":
+            self._show(wait=False)
             return None
         from cogmap_gym.render import draw
 
         return draw(self.scene())
+
+    def close(self) -> None:
+        """Close the window, if there is one; closing twice is fine."""
+        self._window.close()
 
     def scene(self) -> Scene:
         """All that a picture of this moment shows, the sketch that was set included."""
@@ -166,6 +183,8 @@ class CogMapEnv(gym.Env[Observation, Any]):
             world.pose,
             shut=tuple(sorted(world.shut_doors)),
             barriers=tuple(sorted(world.present_barriers)),
+            boxes=world.box_outlines,
+            people=world.people_outlines,
             scan=scan_ends(self._scan, self.laser, world.pose),
             path=np.array(self._path),
             sketch=self._sketch,
@@ -183,15 +202,19 @@ class CogMapEnv(gym.Env[Observation, Any]):
     @spec.setter
     def spec(self, spec: EnvSpec | None) -> None:
         if spec is not None:
-            spec.kwargs = {key: _jsonable(value) for key, value in spec.kwargs.items()}
+            spec.kwargs = {key: jsonable(value) for key, value in spec.kwargs.items()}
         self._spec = spec
 
     _spec: EnvSpec | None = None
 
+    def _show(self, *, wait: bool) -> None:
+        if self.render_mode == "human":
+            self._window.show(self.scene(), wait=wait)
+
     def _move(self, first: float, second: float) -> Motion:
         robot = self.robot
         if robot.control == "move":
-            return self.world.move(first * robot.max_turn, robot.max_forward * (second + 1.0) / 2.0)
+            return self.world.move(*turn_and_forward(robot, first, second))
         return self.world.drive(first * robot.max_speed, second * robot.max_turn_rate)
 
     def _measure(self, motion: Motion) -> Pose:
@@ -209,42 +232,3 @@ class CogMapEnv(gym.Env[Observation, Any]):
             "mark": np.int64(self.task.mark),
             "goal": np.int64(self.task.goal),
         }
-
-
-def _max_moves(asked: int | None, default: int) -> int:
-    if asked is None:
-        return default
-    if isinstance(asked, bool) or not isinstance(asked, int) or asked < 1:
-        raise ValueError(f"max_moves: expected an int of at least 1, got {asked!r}")
-    return asked
-
-
-def _home(options: Mapping[str, Any] | None, default: Pose) -> Pose:
-    """Where the options put home."""
-    unknown = set(options or ()) - {"home"}
-    if unknown:
-        raise ValueError(f"options: expected only 'home', got {sorted(unknown)}")
-    if not options:
-        return default
-    numbers = np.asarray(options["home"], dtype=np.float64)
-    if numbers.shape != (3,) or not np.isfinite(numbers).all():
-        raise ValueError(f"options: home: expected [x, y, degrees], got {options['home']!r}")
-    x, y, degrees = map(float, numbers)
-    return STILL @ Pose(x, y, math.radians(degrees))
-
-
-def _checked(action: Any) -> tuple[float, ...]:
-    """The three numbers of an action, clipped to [-1, 1]."""
-    values = np.asarray(action, dtype=np.float64)
-    if values.shape != (3,) or np.isnan(values).any():
-        raise ValueError(f"action: expected 3 numbers, none NaN, got {action!r}")
-    return tuple(np.clip(values, -1.0, 1.0).tolist())
-
-
-def _jsonable(value: Any) -> Any:
-    """A keyword as JSON can hold it: specs and plans as mappings, paths as strings."""
-    if isinstance(value, FloorPlan):
-        return value.to_mapping()
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return dataclasses.asdict(value)
-    return str(value) if isinstance(value, Path) else value

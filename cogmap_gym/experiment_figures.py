@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from cogmap_gym import colors
 from cogmap_gym import figures as draw
 from cogmap_gym.figures import Sketch
 from cogmap_gym.floor_plan import FloorPlan
@@ -215,7 +216,7 @@ def _halo(ax: Axes, lines: Segments) -> None:
     """A pale band under the landmarks."""
     for row, line in enumerate(lines):
         label = "" if row else "landmark"
-        ax.plot(*line.T, color=draw.YELLOW, lw=7, alpha=0.6, zorder=1, label=label)
+        ax.plot(*line.T, color=colors.YELLOW, lw=7, alpha=0.6, zorder=1, label=label)
 
 
 def _window(ax: Axes, points: Points) -> None:

@@ -17,6 +17,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
+from cogmap_gym import colors
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Points, Pose, Segments
 from cogmap_gym.labels import labels_of
@@ -24,11 +25,8 @@ from cogmap_gym.labels import labels_of
 Sketch = Mapping[str, Any]
 """What an agent believes, with the keys of ``Agent.sketch``."""
 
-BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
-YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
-ASR_COLORS = (SKY, ORANGE, PURPLE, YELLOW, BLUE, "#999999", GREEN, VERMILLION)
-WALL, LIGHT_WALL = "#4D4D4D", "#C4C4C4"
-FURNITURE, LIGHT_FURNITURE = "#D9D9D9", "#F0F0F0"
+BLACK, ORANGE, SKY, GREEN = colors.BLACK, colors.ORANGE, colors.SKY, colors.GREEN
+BLUE, VERMILLION, PURPLE = colors.BLUE, colors.VERMILLION, colors.PURPLE
 SMALL_PT, MEDIUM_PT, LARGE_PT = 5.5, 7.0, 9.0
 """Sizes of letters: surfaces, exits and doors, ASRs and rooms [pt]."""
 
@@ -54,8 +52,10 @@ def plot_plan(
     """
     shut, barriers = set(shut), set(barriers)
     walls = [np.asarray(wall, dtype=np.float64) for wall in plan.walls]
-    _lines(ax, walls, LIGHT_WALL if light else WALL, 1.0 if light else 1.4, "wall")
-    fill, edge = (LIGHT_FURNITURE, LIGHT_WALL) if light else (FURNITURE, WALL)
+    _lines(ax, walls, colors.LIGHT_WALL if light else colors.WALL, 1.0 if light else 1.4, "wall")
+    fill, edge = (
+        (colors.LIGHT_FURNITURE, colors.LIGHT_WALL) if light else (colors.FURNITURE, colors.WALL)
+    )
     pieces = [np.asarray(piece, dtype=np.float64) for piece in plan.furniture]
     _polygons(ax, pieces, fill, edge, "" if light else "furniture")
     closed = [np.asarray(plan.doors[name], dtype=np.float64) for name in sorted(shut)]
@@ -65,10 +65,10 @@ def plot_plan(
     labels = labels_of(ax)
     shown = {**plan.doors, **{name: plan.barriers[name] for name in sorted(barriers)}}
     for name, line in shown.items() if names else ():
-        color = VERMILLION if name in shut | barriers else WALL
+        color = VERMILLION if name in shut | barriers else colors.WALL
         labels.add(name, np.asarray(line), size=MEDIUM_PT, color=color, clear=3.0)
     for name, room in plan.rooms.items() if names else ():
-        labels.add(name, _on(_inside(room)), size=LARGE_PT, color="#7F7F7F")
+        labels.add(name, _on(_inside(room)), size=LARGE_PT, color=colors.ROOM_NAME)
     for wall in walls if names else ():
         labels.avoid(np.stack((wall[:-1], wall[1:]), axis=1))
 
@@ -98,7 +98,7 @@ def plot_asrs(ax: Axes, sketch: Sketch, *, ids: bool = True) -> None:
         boundary = _points(asr["boundary"])
         if len(boundary) < 3:
             continue
-        color = ASR_COLORS[number % len(ASR_COLORS)]
+        color = colors.ASR_COLORS[number % len(colors.ASR_COLORS)]
         here = asr["id"] == sketch.get("here")
         area = ax.fill(
             *boundary.T, facecolor=color + "40", edgecolor=color, lw=2.4 if here else 1.0

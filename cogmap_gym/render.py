@@ -2,14 +2,13 @@
 
 Drawn by Matplotlib's Agg canvas rather than on pygame surfaces: frames and the figures
 for publication then share one way to draw, lines are smooth, no display is needed, and a
-frame takes some tens of milliseconds. Matplotlib and pygame are imported when the first
-frame is drawn or shown, so that training without pictures never loads them.
+frame takes some tens of milliseconds; a window to watch in is drawn by ``screen``. Matplotlib
+is imported when the first frame is drawn, so that training without pictures never loads it.
 """
 
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -46,6 +45,10 @@ class Scene:
     """Names of the doors that are shut."""
     barriers: tuple[str, ...] = ()
     """Names of the barriers that stand."""
+    boxes: tuple[Points, ...] = ()
+    """Corners of what can be pushed, (K, 2) each."""
+    people: tuple[Points, ...] = ()
+    """Corners of people, (K, 2) each."""
     scan: Points = field(default_factory=lambda: np.zeros((0, 2)))
     """Where the beams ended, (K, 2)."""
     path: Points = field(default_factory=lambda: np.zeros((0, 2)))
@@ -103,39 +106,6 @@ def scan_ends(ranges: NDArray[Any], laser: LaserSpec, plan_from_robot: Pose) -> 
     return (plan_from_robot @ laser.robot_from_laser).apply(ends)
 
 
-class Window:
-    """Shows frames on the screen through pygame; opened by the first frame."""
-
-    def __init__(self, title: str = "cogmap_gym", frames_per_second: float = 10.0) -> None:
-        self.title = title
-        self.frames_per_second = frames_per_second
-        self._surface: Any = None
-        self._clock: Any = None
-
-    def show(self, frame: Frame) -> None:
-        """Show one frame (H, W, 3) and keep to the pace."""
-        os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
-        import pygame
-
-        if self._surface is None:
-            pygame.display.init()
-            pygame.display.set_caption(self.title)
-            self._surface = pygame.display.set_mode((frame.shape[1], frame.shape[0]))
-            self._clock = pygame.time.Clock()
-        pygame.surfarray.blit_array(self._surface, frame.swapaxes(0, 1))
-        pygame.event.pump()
-        pygame.display.flip()
-        self._clock.tick(self.frames_per_second)
-
-    def close(self) -> None:
-        """Close the window; closing twice is fine."""
-        if self._surface is not None:
-            import pygame
-
-            pygame.display.quit()
-            self._surface = None
-
-
 def _set_window(ax: Axes, plan: FloorPlan, shape: float) -> None:
     """Show the whole plan in a panel whose height is ``shape`` times its width."""
     corners = np.concatenate([np.asarray(wall, dtype=np.float64) for wall in plan.walls])
@@ -153,6 +123,10 @@ def _draw_truth(ax: Axes, scene: Scene) -> None:
     from cogmap_gym.journey_figures import plot_goal
 
     figures.plot_plan(ax, scene.plan, shut=scene.shut, barriers=scene.barriers)
+    for outline in scene.boxes:
+        ax.fill(*outline.T, facecolor=figures.GREEN + "60", edgecolor=figures.GREEN, lw=1.0)
+    for outline in scene.people:
+        ax.fill(*outline.T, facecolor=figures.PURPLE, edgecolor=figures.PURPLE, zorder=3)
     if len(scene.scan):
         ax.plot(*np.asarray(scene.scan).T, ".", color=figures.ORANGE, ms=2.5, zorder=3)
     figures.plot_path(ax, scene.path)

@@ -15,7 +15,7 @@ from shapely.geometry import Point
 
 from cogmap_gym.body import Body, Motion
 from cogmap_gym.floor_plan import FloorPlan
-from cogmap_gym.geometry import Pose, Segments
+from cogmap_gym.geometry import Points, Pose, Segments
 from cogmap_gym.observation import RobotSpec
 from cogmap_gym.raycast import RayCaster
 
@@ -48,7 +48,7 @@ class World:
         self._fixed = plan.walls_and_furniture()
         movable = np.concatenate((plan.door_segments(), plan.barrier_segments()))
         self.movable_segments: Segments = movable
-        self.caster = RayCaster(self._fixed, movable)
+        self.caster: RayCaster = RayCaster(self._fixed, movable)
         self._body = self._new_body()
         self._shut: frozenset[str] = frozenset()
         self._present: frozenset[str] = frozenset()
@@ -79,6 +79,16 @@ class World:
         """All that is in the way now: walls, furniture, shut doors, barriers, (N, 2, 2)."""
         rows = [self._rows[name] for name in sorted(self._shut | self._present)]
         return np.concatenate((self._fixed, self.movable_segments[rows]))
+
+    @property
+    def box_outlines(self) -> tuple[Points, ...]:
+        """The corners of what can be pushed, (K, 2) each [m]; nothing in a still world."""
+        return ()
+
+    @property
+    def people_outlines(self) -> tuple[Points, ...]:
+        """The corners of people, (K, 2) each [m]; nobody in a still world."""
+        return ()
 
     def segment(self, name: str) -> Segments:
         """Where a door or a barrier is when it is in the way, (1, 2, 2).

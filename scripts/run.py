@@ -1,9 +1,10 @@
 """Run one episode of an agent and show how it went.
 
 Usage: python scripts/run.py --env CogMap/GoHome-v0 --map thesis_office --agent cogmap
-           [--odometry medium] [--seed 0] [--out DIR] [--video FILE.gif]
+           [--control move] [--odometry medium] [--seed 0] [--out DIR] [--video FILE.gif]
 
 Writes DIR/final.png, the truth beside what the agent believes, and with --video a film.
+With --show it opens a window to watch in.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from agents.cogmap.agent import CogMapAgent
 from agents.rollout import run_episode
 from cogmap_gym.experiment_figures import overview_figure
 from cogmap_gym.saving import save_png
+from cogmap_gym.wrappers import MoveControl
 
 AGENTS = {"cogmap": CogMapAgent}
 """Robot programs by name."""
@@ -69,8 +71,8 @@ class Watch:
         task = f"going to mark {seen['goal']}" if seen["goal"] else "exploring"
         what = f"phase {info['phase'] + 1}, {task}, step {step}"
         self.progress.update(self.bar, completed=step, description=what)
+        self.env.unwrapped.set_sketch(sketch)
         if self.film is not None:
-            self.env.unwrapped.set_sketch(sketch)
             self.film.writer.append_data(self.env.render())
 
     def interrupt(self, *_: Any) -> None:
@@ -96,10 +98,14 @@ def main(
     map_: Annotated[str, typer.Option("--map", help="plan, by name or path")] = "thesis_office",
     agent: Annotated[str, typer.Option(help=f"one of {', '.join(AGENTS)}")] = "cogmap",
     odometry: Annotated[str, typer.Option(help="perfect, low, medium, high or severe")] = "medium",
+    control: Annotated[
+        str, typer.Option(help="move, or velocity: moves by steps of 0.1 s")
+    ] = "move",
     seed: Annotated[int, typer.Option(min=0, help="of the episode")] = 0,
     out: Annotated[Path, typer.Option(file_okay=False, help="folder to write to")] = Path(
         "out/run"
     ),
+    show: Annotated[bool, typer.Option("--show", help="open a window to watch in")] = False,
     video: Annotated[Path | None, typer.Option(dir_okay=False, help="film to write")] = None,
 ) -> None:
     """Run one episode of an agent; Ctrl-C leaves what was done so far."""
@@ -109,8 +115,9 @@ def main(
             f"got {agent!r} and {env!r}"
         )
     try:
-        mode = None if video is None else "rgb_array"
-        made = gym.make(env, map=map_, odometry=odometry, render_mode=mode)
+        mode = "rgb_array" if video is not None else "human" if show else None
+        made = gym.make(env, map=map_, control=control, odometry=odometry, render_mode=mode)
+        made = made if control == "move" else MoveControl(made)
         watch = Watch(made, None if video is None else Film(video))
     except (ValueError, OSError) as error:
         raise typer.BadParameter(str(error)) from error
@@ -130,6 +137,7 @@ def main(
         world.world.shut_doors,
     )  # fmt: skip
     print(save_png(picture, out / "final.png"))
+    made.close()
     if watch.film is not None:
         print(watch.film.close())
     if watch.interrupted:

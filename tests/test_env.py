@@ -58,6 +58,12 @@ INFO_KEYS = {
 }
 
 
+@pytest.fixture(autouse=True)
+def in_haste(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No window keeps to the pace of a person's eyes."""
+    monkeypatch.setitem(CogMapEnv.metadata, "render_fps", 1000)
+
+
 def made(name: str, keywords: dict[str, Any]) -> gym.Env[Any, Any]:
     return gym.make(name, **keywords)
 

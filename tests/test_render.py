@@ -17,7 +17,7 @@ from matplotlib.text import Text
 from cogmap_gym import figures, labels
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Pose
-from cogmap_gym.render import Scene, Window, draw
+from cogmap_gym.render import Scene, draw
 
 TWO_ROOMS = {
     "name": "two_rooms",
@@ -119,18 +119,6 @@ def test_an_agent_that_believes_nothing_yet_can_be_drawn(scene: Scene) -> None:
 def test_a_frame_too_small_to_draw_on_is_refused(scene: Scene) -> None:
     with pytest.raises(ValueError, match="at least 64"):
         draw(scene, (480, 10))
-
-
-def test_a_window_shows_frames_and_may_be_closed_twice(
-    scene: Scene, capsys: pytest.CaptureFixture[str]
-) -> None:
-    window = Window(frames_per_second=1000.0)
-    window.close()
-    window.show(draw(scene, (120, 240)))
-    window.show(draw(scene, (120, 240)))
-    window.close()
-    window.close()
-    assert capsys.readouterr().out == ""
 
 
 @given(x=st.floats(-50, 50), y=st.floats(-50, 50), theta=st.floats(-3.1, 3.1, allow_nan=False))
