@@ -12,7 +12,7 @@ from agents.cogmap.exploration import explore
 from agents.cogmap.memory import MARK, Intent, Journey, Mark, Memory, place_of
 from agents.cogmap.params import Params
 from agents.cogmap.places import Route, exits_of, linked, route
-from agents.cogmap.search import search_place, unsearched
+from agents.cogmap.search import look_round, search_place, unsearched
 from agents.cogmap.view import View
 from agents.cogmap.wandering import straight
 from cogmap_gym.observation import RobotSpec
@@ -39,6 +39,10 @@ def travel(
         return _beacon(memory, mark, view, robot, params)
     memory = _on_the_way(memory, mark, params)
     mark = replace(mark, place=place_of(memory, mark))
+    assert memory.journey is not None, "a journey has begun"
+    if memory.journey.looking and not memory.stay.looked:
+        return look_round(replace(memory, status="looking round"), robot, params)
+    memory = replace(memory, journey=replace(memory.journey, looking=False))
     known = _known_way(memory, mark)
     new = _new_exit(memory, mark, known, params)
     if new is not None:
@@ -132,7 +136,7 @@ def _on_the_way(memory: Memory, mark: Mark, params: Params) -> Memory:
     journey = memory.journey
     if journey is None or journey.mark != mark.id:
         journey = Journey(mark.id)
-        memory = replace(memory, intent=None)
+        memory = replace(memory.with_stay(looked=False, turned=0.0), intent=None)
     shut = {
         e.id
         for e in exits_of(memory.book, memory.stay.place)
@@ -169,14 +173,16 @@ def _known_way(memory: Memory, mark: Mark) -> Route | None:
 
 
 def _new_exit(memory: Memory, mark: Mark, known: Route | None, params: Params) -> Exit | None:
-    """A new exit that promises a shorter way than the known one, once the best way is shut.
+    """A new exit that promises a shorter way than the known one.
+
+    It must promise much where nothing was found shut yet.
 
     "The robot weighs its options by measuring the possible distances to the goal with either
     move" (thesis 4.4.2).
     """
     journey, at = memory.journey, memory.pose.position
     assert journey is not None, "a journey has begun"
-    if not journey.blocked or memory.stay.place == mark.place:
+    if memory.stay.place == mark.place:
         return None
     options = [
         e
@@ -190,7 +196,8 @@ def _new_exit(memory: Memory, mark: Mark, known: Route | None, params: Params) -
         return float(np.hypot(*(e.middle - at)) + np.hypot(*(mark.point - e.middle)))
 
     best = min(options, key=promise)
-    return best if known is None or promise(best) < known.length else None
+    share = 1.0 if journey.blocked else params.journeys.much_shorter
+    return best if known is None or promise(best) < share * known.length else None
 
 
 def _by_exit(

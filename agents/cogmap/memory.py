@@ -114,6 +114,8 @@ class Journey:
     """Whether the failed exits were given another chance."""
     lost: int = 0
     """Steps spent without a known way."""
+    looking: bool = True
+    """Whether the robot still looks round, before it sets out, for what has changed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -382,6 +382,9 @@ class Journeys:
     """The robot declares this near to where it remembers the mark [m]. Ours: within 1 m asked."""
     near_enough: float = 0.9
     """A mark that cannot be reached is declared from within this [m]. Ours: 1 m is asked."""
+    much_shorter: float = 0.6
+    """A new exit is taken at once if it promises a way as short against the known one [1]. Ours:
+    it may lead nowhere."""
     search_worth: float = 0.25
     """Share of what a straight way would save that is spent on looking [1]. Ours: a detour."""
     shared_wall: float = 0.9

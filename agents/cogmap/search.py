@@ -52,7 +52,7 @@ def search_place(
         onward = memory.intent is not None and memory.intent.kind == EXIT
         return (searched(memory), None) if onward else (memory, step)
     if not stay.looked:
-        return _look(memory, robot, params)
+        return look_round(memory, robot, params)
     doubtful = _doubtful(memory, params)
     if doubtful is not None:
         return _check(memory, doubtful, robot, params)
@@ -130,7 +130,7 @@ def searched(memory: Memory) -> Memory:
     return replace(cleared, journey=done, intent=None)
 
 
-def _look(memory: Memory, robot: RobotSpec, params: Params) -> tuple[Memory, Action]:
+def look_round(memory: Memory, robot: RobotSpec, params: Params) -> tuple[Memory, Action]:
     """Turn on, until all around was seen."""
     step = min(robot.max_turn, params.exploration.look_turn - memory.stay.turned)
     turned = memory.stay.turned + step
