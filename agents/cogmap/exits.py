@@ -192,18 +192,20 @@ def crossed_exit(book: Book, path: Points, params: Exits) -> Exit | None:
         return None
     last: tuple[float, Exit] | None = None
     for known in _about(book, path, 2.0 * params.slack):
-        if not known.trusted(params):
+        if known.sightings < 1 or known.left == known.right or known.false:
             continue
         distance = float((path[-1] - known.middle) @ known.normal)
         if abs(distance) < params.beyond:
             continue
-        meetings = _meetings(path, known, params)
+        # One seen only once counts if the path goes through it between its ends.
+        slack = params.slack if known.trusted(params) else 0.0
+        meetings = _meetings(path, known, slack)
         if len(meetings) % 2 == 1 and (last is None or meetings[-1] > last[0]):
             last = (float(meetings[-1]), known)
     return last[1] if last else None
 
 
-def _meetings(path: Points, known: Exit, params: Exits) -> Points:
+def _meetings(path: Points, known: Exit, slack: float) -> Points:
     """Where the path crosses the exit's line, in rows and parts of the piece that follows, (K,)."""
     side = (path - known.middle) @ known.normal
     d = known.line[1] - known.line[0]
@@ -212,7 +214,7 @@ def _meetings(path: Points, known: Exit, params: Exits) -> Points:
     rows = np.flatnonzero((side[:-1] < 0.0) != (side[1:] < 0.0))
     t = side[rows] / (side[rows] - side[rows + 1])
     at = along[rows] + t * (along[rows + 1] - along[rows])
-    return np.asarray((rows + t)[(at > -params.slack) & (at < width + params.slack)])
+    return np.asarray((rows + t)[(at > -slack) & (at < width + slack)])
 
 
 def seen_through_exit(
@@ -266,7 +268,7 @@ def _through_another(book: Book, robot: Points, middle: Points, params: Exits) -
         e.trusted(params)
         and float(np.hypot(*(e.middle - middle))) > params.same_distance
         and float(np.hypot(*(e.middle - robot))) > params.beyond
-        and len(_meetings(sight, e, params)) > 0
+        and len(_meetings(sight, e, params.slack)) > 0
         for e in _about(book, sight, 2.0 * params.slack)
     )
 

@@ -99,22 +99,29 @@ def parts(memory: Memory, target: Exit, seen: Cells, params: Params) -> bool:
     length = float(np.hypot(*np.diff(way, axis=0).T).sum())
     if length > p.way_round or known < p.seen_share:
         return True
-    return not _round_a_thing(way, target, memory.obstacles, params)
+    return not _round_a_thing(way, target, memory.obstacles, seen, params)
 
 
-def _round_a_thing(way: Points, target: Exit, obstacles: Points, params: Params) -> bool:
-    """Whether a way (K, 2) from one side of an exit to the other leads round a thing, not a wall.
+def _round_a_thing(
+    way: Points, target: Exit, obstacles: Points, seen: Cells, params: Params
+) -> bool:
+    """Whether a way (K, 2) from one side of an exit to the other leads round a thing, not walls.
 
-    What stands inside the round is deep, where a piece of wall between two doors is thin.
+    What stands inside the round is deep, where a piece of wall between two doors is thin; and
+    nobody sees through it, where between walls there is free space.
     """
-    ring = shapely.Polygon(way)
-    if not ring.is_valid:
-        ring = shapely.make_valid(ring)
-    inside = obstacles[shapely.contains_xy(ring, *obstacles.T)] - target.middle
-    if not len(inside):
+    p, ring = params.exits, shapely.make_valid(shapely.Polygon(way))
+    inside = obstacles[shapely.contains_xy(ring, *obstacles.T)]
+    if len(inside) < 3:
         return False
-    depth = float(np.ptp(inside @ target.normal))
-    return bool(params.exits.thing <= depth <= params.exits.largest_thing)
+    depth = float(np.ptp((inside - target.middle) @ target.normal))
+    hull = shapely.MultiPoint(inside).convex_hull
+    low, high = inside.min(axis=0), inside.max(axis=0)
+    axes = [np.arange(a, b, params.curiosity.cell / 2.0) for a, b in zip(low, high, strict=True)]
+    spots = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+    spots = spots[shapely.contains_xy(hull, *spots.T)]
+    free = np.isin(cells_of(spots, params.curiosity), seen)
+    return p.thing <= depth <= p.largest_thing and bool(free.mean() <= p.thing_free)
 
 
 def _spots(way: Points, params: Params) -> Points:

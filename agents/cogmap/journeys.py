@@ -182,7 +182,7 @@ def _new_exit(memory: Memory, mark: Mark, known: Route | None, params: Params) -
     """
     journey, at = memory.journey, memory.pose.position
     assert journey is not None, "a journey has begun"
-    if memory.stay.place == mark.place:
+    if memory.stay.place == mark.place or not (memory.stay.known or memory.stay.looked):
         return None
     options = [
         e
