@@ -17,6 +17,7 @@ from agents.cogmap.memory import Mark, Memory
 from agents.cogmap.navigator import plan_path, sample_surfaces
 from agents.cogmap.params import Params
 from cogmap_gym.geometry import Points, lengths
+from cogmap_gym.observation import RobotSpec
 
 
 def doubt_exit(memory: Memory, exit_id: int, params: Params) -> Memory:
@@ -92,7 +93,8 @@ def parts(memory: Memory, target: Exit, seen: Cells, params: Params) -> bool:
     wide = target.line + p.flank * np.stack((-along, along))
     doors = sample_surfaces(np.array([*shut, wide]), params.navigation.cell)
     left, right = target.middle + p.aside * target.normal, target.middle - p.aside * target.normal
-    way = plan_path(np.concatenate((memory.obstacles, doors)), left, right, params.navigation)
+    obstacles, body = np.concatenate((memory.obstacles, doors)), RobotSpec(radius=p.wide)
+    way = plan_path(obstacles, left, right, params.navigation, body)
     if way is None:
         return True
     known = np.isin(cells_of(_spots(way, params), params.curiosity), seen).mean()

@@ -184,6 +184,8 @@ class Exits:
     """Wall beside an exit that no way round it leads through [m]. Ours: jambs are seen late."""
     aside: float = 0.8
     """That way begins and ends so far beside the exit [m]. Ours: clear of its jambs."""
+    wide: float = 0.36
+    """A disc of this radius passes along it [m]. Ours: narrow doors stop it, tables do not."""
     thing: float = 0.45
     """It leads round a thing at least as deep, not a wall [m]. Ours: walls 0.1 to 0.3 m."""
     thing_free: float = 0.3

@@ -92,17 +92,23 @@ def _beams_inside(memory: Memory) -> Beams:
 
 
 def _reachable(memory: Memory, asr: ASR, p: Association) -> bool:
-    """Whether the crossed exit may lie at the edge of the place, given the drift allowed."""
+    """Whether the robot or the exit it crossed may lie at the place, given the drift allowed.
+
+    A place of which only a part was seen may be entered far from that part.
+    """
     if not asr.closed:
         return False
     drift = min(p.base_shift + p.shift_per_metre * memory.since_left(asr.id), p.max_shift)
-    middle = memory.exit(memory.stay.entry).middle
-    beyond = np.maximum(asr.boundary.min(axis=0) - middle, middle - asr.boundary.max(axis=0))
-    if beyond.max() > drift + p.door_distance:
+    at, middle = memory.pose.position, memory.exit(memory.stay.entry).middle
+    reach = drift + p.door_distance
+    low, high = asr.boundary.min(axis=0) - reach, asr.boundary.max(axis=0) + reach
+    near = [bool((low <= q).all() and (q <= high).all()) for q in (at, middle)]
+    if not any(near):
         return False  # the bounds alone say so
-    door = shapely.Point(middle)
-    edge = shapely.Polygon(asr.boundary).exterior
-    return bool(shapely.distance(edge, door) <= drift + p.door_distance)
+    polygon = shapely.Polygon(asr.boundary)
+    inside = shapely.distance(polygon, shapely.Point(at)) <= drift
+    at_edge = shapely.distance(polygon.exterior, shapely.Point(middle)) <= reach
+    return bool(inside or at_edge)
 
 
 def _surfaces(memory: Memory, asr: ASR) -> NDArray[np.float64]:
