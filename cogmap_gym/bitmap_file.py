@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from cogmap_gym.geometry import Array, Pose
+from cogmap_gym.geometry import Pose
 from cogmap_gym.plan_schema import MAX_COORDINATE, shown
 from cogmap_gym.raster import Mask, Raster
 
@@ -42,9 +42,9 @@ OCCUPIED = 0.65
 """Above this share of black a pixel is surely not free [-]. ROS's default."""
 RAW_OCCUPIED = 100.0
 """The value of an occupied pixel in the mode ``raw`` [-]. ROS."""
-FORMATS = ("PNG", "PPM", "BMP", "JPEG", "GIF", "TIFF")
+FORMATS = ("PNG", "PPM", "BMP", "JPEG")
 """What images may be; ``PPM`` stands for PBM, PGM and PPM."""
-SUFFIXES = (".png", ".pgm", ".pbm", ".ppm", ".bmp", ".jpg", ".jpeg", ".gif", ".tif", ".tiff")
+SUFFIXES = (".png", ".pgm", ".pbm", ".ppm", ".bmp", ".jpg", ".jpeg")
 """How their files are called."""
 
 
@@ -121,7 +121,7 @@ def _free_below(description: Mapping[str, Any], scale: str, origin: str) -> floa
             f"{origin}: free_thresh, occupied_thresh: expected 0 < free <= occupied <= 1, "
             f"got {free} and {occupied}"
         )
-    return free
+    return float(free)
 
 
 def _numbers(value: Any, width: int, where: str) -> Any:
@@ -159,7 +159,7 @@ def _path(value: Any, folder: Path, where: str) -> Path:
     return path
 
 
-def _check_side(pixels: Array, cell: float, where: str) -> None:
+def _check_side(pixels: NDArray[np.uint8], cell: float, where: str) -> None:
     side = max(pixels.shape[:2]) * cell
     if side > MAX_SIDE_M:
         raise ValueError(
@@ -185,7 +185,8 @@ def _pixels(path: Path, where: str) -> NDArray[np.uint8]:
                 eight = Image.fromarray(_eight_bits(np.asarray(image))) if deep else image
                 return np.asarray(eight.convert("RGBA"))
     except Exception as error:  # a decoder of foreign bytes may raise anything
-        raise ValueError(f"{where}: expected an image, {path} is none: {error}") from error
+        message = f"{where}: expected a whole image, {path} cannot be read: {error}"
+        raise ValueError(message) from error
 
 
 def _eight_bits(values: NDArray[Any]) -> NDArray[np.uint8]:

@@ -20,9 +20,9 @@ RAY_M = 0.15
 RAY_CELLS = 12
 """Such free space is taken away if it has more cells than this [-]. Ours: the tip of a corner
 of 10 degrees stays."""
-TOLERANCE_CELLS = 1.0
-"""Walls keep within this distance of the edges of free pixels [cells]. Ours: with the rays that
-are shut off, 1.5 at most."""
+TOLERANCE_CELLS, TOLERANCE_M = 1.0, 0.1
+"""Walls keep within the lesser of these distances of the edges of free pixels [cells, m]. Ours:
+with the rays that are shut off, 1.5 cells at most; coarse bitmaps have narrow corridors."""
 NEIGHBOURS = np.ones((3, 3), dtype=np.bool_)
 """Walls hang together by the corners of pixels; free space by their sides alone."""
 
@@ -39,7 +39,7 @@ def bitmap_plan(bitmap: Bitmap, origin: str) -> dict[str, Any]:
     if cell is None or not raster.free[cell]:
         raise ValueError(f"{origin}: home: expected a place in free space, got {[x, y]}")
     part = part_with(raster, *cell)
-    outline = part.outline(part.free, TOLERANCE_CELLS * part.cell)
+    outline = part.outline(part.free, min(TOLERANCE_CELLS * part.cell, TOLERANCE_M))
     if colours is not None:
         colours = _colours_within(colours, raster, part)
     return {

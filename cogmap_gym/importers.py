@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from cogmap_gym import generator, plan_file
-from cogmap_gym.bitmap_file import SUFFIXES, read_bitmap
+from cogmap_gym.bitmap_file import SCALES, SUFFIXES, read_bitmap
 from cogmap_gym.bitmap_plan import bitmap_plan
 from cogmap_gym.segment_file import read_aria, read_vectormap
 from cogmap_gym.segment_plan import segment_plan
@@ -62,6 +62,6 @@ def _described(
     mapping: Mapping[str, Any], folder: Path, origin: str
 ) -> tuple[Mapping[str, Any], str]:
     """A plan as it is, or the plan that a bitmap shows."""
-    if "image" not in mapping:
+    if not any(key in mapping for key in ("image", *SCALES)):
         return mapping, origin
     return bitmap_plan(read_bitmap(mapping, folder, origin), origin), origin

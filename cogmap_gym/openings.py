@@ -12,7 +12,7 @@ from cogmap_gym.geometry import Points, Segments
 
 WIDEST_M = 3.0
 """Openings to the outside narrower than this are shut [m]. Ours: a double door."""
-CRACK_M = 0.05
+CRACK_M = 0.12
 """An end of a line within this distance of another line is led on to it [m]. Ours: no body and
 hardly a beam gets through."""
 JOINED_M = 1e-6
@@ -45,7 +45,8 @@ def shut_openings(segments: Segments, home: Points | None) -> Segments:
         return segments
     inner = outside.boundary.difference(beyond.buffer(WIDEST_M))
     seams = inner.difference(thick(lines, TOUCHING_M))
-    ends = [np.array(seam.coords)[[0, -1]] for seam in shapely.get_parts(seams)]
+    parts = [seam for seam in shapely.get_parts(seams) if not seam.is_empty]
+    ends = [np.array(seam.coords)[[0, -1]] for seam in parts]
     met = _nearest(np.reshape(ends, (-1, 2)), lines).reshape(-1, 2, 2)
     return np.concatenate((segments, met[(met[:, 0] != met[:, 1]).any(axis=1)]))
 
@@ -58,15 +59,15 @@ def _nearest(points: Points, lines: Any) -> Points:
 
 
 def shut_cracks(segments: Segments) -> Segments:
-    """The lines (N, 2, 2) [m] and more that lead loose ends on to lines near by, (M, 2, 2)."""
+    """The lines (N, 2, 2) [m] and more that lead ends on to lines near by, (M, 2, 2)."""
     lines = shapely.linestrings(segments)
     ends = shapely.points(segments.reshape(-1, 2))
     near, other = shapely.STRtree(lines).query(ends, "dwithin", CRACK_M)
-    near, other = near[near // 2 != other], other[near // 2 != other]
     gaps = shapely.distance(ends[near], lines[other])
+    near, other, gaps = (column[gaps > JOINED_M] for column in (near, other, gaps))
     order = np.lexsort((gaps, near))
     _, first = np.unique(near[order], return_index=True)
-    nearest = order[first][gaps[order[first]] > JOINED_M]
+    nearest = order[first]
     ways = shapely.shortest_line(ends[near[nearest]], lines[other[nearest]])
     return np.concatenate((segments, shapely.get_coordinates(ways).reshape(-1, 2, 2)))
 

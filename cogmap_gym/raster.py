@@ -9,10 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 from scipy import ndimage
-from shapely.geometry import LinearRing, Polygon
-from skimage import measure
+from shapely.geometry import MultiLineString, Polygon
+from skimage.measure import find_contours
 
 from cogmap_gym.geometry import Array, Points, Pose
 from cogmap_gym.observation import RobotSpec
@@ -69,10 +70,9 @@ class Raster:
             cells: (rows, columns), one part by the sides of its cells; it may have holes.
             tolerance: the outline keeps within this distance of the cells' edges [m].
         """
-        rings = sorted(map(LinearRing, _rings(cells)), key=lambda ring: -Polygon(ring).area)
-        outline = Polygon(rings[0], rings[1:]).simplify(tolerance / self.cell)
-        place = self.plan_from_raster.apply
-        moved = [place(self.cell * np.array(ring.coords)) for ring in _all_rings(outline)]
+        place, outlines = self.plan_from_raster.apply, _simplified(_rings(cells), tolerance / self.cell)
+        moved = [place(self.cell * ring) for ring in outlines]
+        moved.sort(key=lambda ring: -float(Polygon(ring).area))
         return Polygon(moved[0], moved[1:])
 
 
@@ -139,23 +139,35 @@ def most_open_point(raster: Raster, origin: str) -> Points:
     return raster.middle_of(int(row), int(column))
 
 
-def _all_rings(polygon: Polygon) -> list[LinearRing]:
-    return [polygon.exterior, *polygon.interiors]
+def _simplified(rings: list[Points], tolerance: float) -> list[Points]:
+    """Open rings (K, 2) with fewer points; they cross neither themselves nor one another.
+
+    Each is cut in two, at its first corner and the one farthest from that, for the library may
+    take the ends of a ring away beyond the tolerance. Rings too small for it stay as they are.
+    """
+    halves: list[Points] = []
+    for ring in rings:
+        begun = np.roll(ring, -int(np.lexsort(ring.T[::-1])[0]), axis=0)
+        far = int(np.argmax(np.hypot(*(begun - begun[0]).T)))
+        halves += [begun[: far + 1], np.concatenate((begun[far:], begun[:1]))]
+    lines = shapely.get_parts(MultiLineString(halves).simplify(tolerance))
+    kept = [shapely.get_coordinates(line)[:-1] for line in lines]
+    joined = [np.concatenate(pair) for pair in zip(kept[::2], kept[1::2], strict=True)]
+    return [new if len(new) > 2 else ring for new, ring in zip(joined, rings, strict=True)]
 
 
 def _rings(cells: Mask) -> list[Points]:
     """The closed outlines of cells, along their edges, as (x, y) in cells."""
     padded = np.pad(cells, 1).astype(np.float64)
-    contours = measure.find_contours(padded, 0.5, fully_connected="low")
-    return [_with_corners(contour)[:, ::-1] - 0.5 for contour in contours]
+    contours = find_contours(padded, 0.5, fully_connected="low")  # type: ignore[no-untyped-call]
+    return [_corners(contour)[:, ::-1] - 0.5 for contour in contours]
 
 
-def _with_corners(contour: Points) -> Points:
-    """A closed contour (K, 2) through the middles of cell edges, led round the cells' corners."""
+def _corners(contour: Points) -> Points:
+    """The corners (K, 2) of the cells' edges whose middles a closed contour goes through."""
     here, after = contour[:-1], contour[1:]
+    turns = (here != after).all(axis=1)
+    here, after = here[turns], after[turns]
+    corner = np.where(here % 1.0 == 0.5, here, after)
     middle = (here + after) / 2.0
-    corner = np.where(here % 1.0 == 0.5, here, np.where(after % 1.0 == 0.5, after, middle))
-    turned = middle + CORNER * (corner - middle)
-    both = np.stack((here, turned), axis=1).reshape(-1, 2)
-    kept = np.column_stack((np.ones(len(here), dtype=bool), (here != after).all(axis=1)))
-    return both[kept.ravel()]
+    return np.asarray(middle + CORNER * (corner - middle))

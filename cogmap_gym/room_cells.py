@@ -11,7 +11,8 @@ import shapely
 from numpy.typing import NDArray
 from scipy import ndimage
 from shapely.geometry import LineString, Polygon
-from skimage import feature, segmentation
+from skimage.feature import peak_local_max
+from skimage.segmentation import expand_labels, watershed
 
 from cogmap_gym.geometry import Array
 from cogmap_gym.raster import FITS_M, Labels, Mask, Raster, clearance
@@ -28,12 +29,14 @@ ISLAND_M = 2.5
 SLIT_M = 0.02
 """Width of the slit by which a room that runs round others is cut open [m]. Ours: the format
 knows no polygon with holes."""
+DIAGONAL = 1.5
+"""Nearer than this are the neighbours of a cell, those at its corners too [cells]."""
 TOLERANCE_CELLS = 1.0
 """How far the outline of a room may lie from its cells' edges [cells]. Ours."""
 
 
 def room_outlines(
-    part: Raster, colours: NDArray[np.int64] | None, origin: str
+    part: Raster, colours: NDArray[np.int64] | None, origin: str, *, grown: bool = False
 ) -> dict[str, list[list[float]]]:
     """The polygons of all rooms, by name, the largest first.
 
@@ -42,6 +45,7 @@ def room_outlines(
         colours: (rows, columns), a number a cell; where they are alike and the cells hang
             together is a room. None: by watershed.
         origin: what messages call the image of the rooms.
+        grown: rooms reach a cell beyond the free cells, up to the middle between two.
 
     Raises:
         ValueError: the image shows no room.
@@ -53,7 +57,9 @@ def room_outlines(
         seeds = _coloured(part, colours)
         if not seeds.any():
             raise ValueError(f"{origin}: expected areas of one colour in the free space, got none")
-        rooms = segmentation.watershed(-gaps, seeds, mask=part.free)
+        rooms = watershed(-gaps, seeds, mask=part.free)  # type: ignore[no-untyped-call]
+    if grown:
+        rooms = expand_labels(rooms, DIAGONAL)  # type: ignore[no-untyped-call]
     areas = np.bincount(rooms.ravel())
     areas[0] = 0
     order = np.argsort(-areas, kind="stable")[: np.count_nonzero(areas)]
@@ -63,26 +69,26 @@ def room_outlines(
 
 def _coloured(part: Raster, colours: NDArray[np.int64]) -> Labels:
     """The parts of one colour in which a robot finds room, numbered from 1."""
-    free = np.where(part.free, np.unique(colours, return_inverse=True)[1] + 1, 0)
-    seeds = np.zeros(free.shape, dtype=np.int32)
-    for colour in np.flatnonzero(np.bincount(free.ravel())[1:] * part.cell**2 >= FITS_M**2) + 1:
-        same = part.within(free == colour)
-        parts, count = ndimage.label(same.free)
-        deepest = ndimage.maximum(clearance(same), parts, np.arange(1, count + 1))
-        wide = np.concatenate(([False], np.asarray(deepest) >= FITS_M))
-        numbers = np.where(wide, np.cumsum(wide) + seeds.max(), 0)
-        seeds += numbers[parts].astype(np.int32)
-    return seeds
+    inner = part.free.copy()
+    inner[1:] &= colours[1:] == colours[:-1]
+    inner[:, 1:] &= colours[:, 1:] == colours[:, :-1]
+    parts, count = ndimage.label(inner)
+    deepest = ndimage.maximum(clearance(part.within(inner)), parts, np.arange(count + 1))
+    wide = np.asarray(deepest) >= FITS_M
+    wide[0] = False
+    return np.asarray(np.where(wide, np.cumsum(wide), 0)[parts], dtype=np.int32)
 
 
 def _watershed(part: Raster) -> Labels:
     filled = part.within(_without_islands(part.free, ISLAND_M / part.cell))
     gaps = clearance(filled)
     apart = max(round(SUMMITS_APART_M / part.cell), 1)
-    summits = feature.peak_local_max(gaps, min_distance=apart, threshold_abs=FITS_M)
+    summits = peak_local_max(  # type: ignore[no-untyped-call]
+        gaps, min_distance=apart, threshold_abs=FITS_M
+    )
     seeds = np.zeros(gaps.shape, dtype=np.int32)
     seeds[tuple(summits.T)] = np.arange(1, len(summits) + 1)
-    basins = segmentation.watershed(-gaps, seeds, mask=filled.free)
+    basins = watershed(-gaps, seeds, mask=filled.free)  # type: ignore[no-untyped-call]
     return _joined_if_small(_joined(basins, gaps), LEAST_ROOM_M2 / part.cell**2)
 
 

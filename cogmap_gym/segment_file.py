@@ -42,9 +42,11 @@ def read_vectormap(path: Path) -> Drawing:
     Raises:
         ValueError: naming the file, the line and what it says.
     """
+    lines = _lines(path)
+    _check_most(len(lines), path)
     numbers = [
         _numbers(line.split(","), f"{path}: line {row}: expected x1,y1,x2,y2 in metres")
-        for row, line in enumerate(_lines(path), 1)
+        for row, line in enumerate(lines, 1)
         if line.strip()
     ]
     name = path.name.removesuffix(path.suffix).removesuffix(".vectormap")
@@ -66,6 +68,7 @@ def read_aria(path: Path) -> Drawing:
         raise ValueError(f"{path}: expected a section LINES, got none")
     start = lines.index("LINES") + 1
     end = lines.index("DATA", start) if "DATA" in lines[start:] else len(lines)
+    _check_most(end - start, path)
     numbers = [
         _numbers(line.split(), f"{path}: line {row}: expected x1 y1 x2 y2 in millimetres")
         for row, line in enumerate(lines[start:end], start + 1)
@@ -85,6 +88,11 @@ def _lines(path: Path) -> list[str]:
         raise ValueError(f"{path}: expected text, got: {error}") from error
 
 
+def _check_most(count: int, path: Path) -> None:
+    if count > MAX_LINES:
+        raise ValueError(f"{path}: expected at most {MAX_LINES} lines, got {count}")
+
+
 def _numbers(words: Sequence[str], expected: str, count: int = 4) -> list[float]:
     try:
         numbers = [float(word) for word in words]
@@ -96,18 +104,19 @@ def _numbers(words: Sequence[str], expected: str, count: int = 4) -> list[float]
 
 
 def _segments(numbers: list[list[float]], path: Path, unit: float) -> Segments:
-    if not 0 < len(numbers) <= MAX_LINES:
-        raise ValueError(f"{path}: expected 1 to {MAX_LINES} lines, got {len(numbers)}")
+    if not numbers:
+        raise ValueError(f"{path}: expected lines, got none")
     segments = unit * np.array(numbers).reshape(-1, 2, 2)
-    sides = segments.max(axis=(0, 1)) - segments.min(axis=(0, 1))
-    if not max(sides) <= MAX_SIDE_M or not np.abs(segments).max() <= MAX_COORDINATE:
+    low, high = segments.min(axis=(0, 1)), segments.max(axis=(0, 1))
+    if max(-low.min(), high.max()) > MAX_COORDINATE or (high - low).max() > MAX_SIDE_M:
         raise ValueError(
-            f"{path}: expected a plan of at most {MAX_SIDE_M:g} m, got {sides.tolist()} m"
+            f"{path}: expected a plan of at most {MAX_SIDE_M:g} m, "
+            f"got x, y from {low.tolist()} to {high.tolist()} m"
         )
     kept = segments[(segments[:, 0] != segments[:, 1]).any(axis=1)]
     if not len(kept):
         raise ValueError(f"{path}: expected lines, got points alone")
-    return kept
+    return np.asarray(kept)
 
 
 def _check_count(head: Sequence[str], count: int, path: Path) -> None:

@@ -55,7 +55,7 @@ def segment_plan(drawing: Drawing, origin: str) -> dict[str, Any]:
         "doors": {},
         "closed": [],
         "barriers": {},
-        "rooms": room_outlines(part, None, origin),
+        "rooms": room_outlines(part, None, origin, grown=True),
         "home": [x, y, degrees],
     }
 
@@ -101,4 +101,4 @@ def _walls_about(segments: Segments, home: Points) -> list[Points]:
     shapely.prepare(free)
     merged = linemerge(MultiLineString(list(pieces[shapely.dwithin(free, middles, NEAR_M)])))
     simple = [line.simplify(TOLERANCE_M) for line in shapely.get_parts(merged)]
-    return [np.array(line.coords) for line in simple if line.length > TOLERANCE_M]
+    return [np.array(line.coords) for line in simple if line.length > 0.0]
