@@ -29,8 +29,8 @@ KEYS = (
 """The keys of a description; ``image`` and one scale are needed."""
 MODES = ("trinary", "scale", "raw")
 """How the values of pixels are read, after ROS's map_server."""
-MAX_PIXELS = 2**25
-"""Most pixels of an image [-]. Ours: beyond the 4096 x 4096 of most mapping programs."""
+MAX_PIXELS = 2**24
+"""Most pixels of an image [-]. Ours: 4096 x 4096, the largest map of many mapping programs."""
 MAX_FILE = 2**28
 """Largest image file [bytes]. Ours: 8 bytes a pixel."""
 MAX_SIDE_M = 500.0
@@ -44,8 +44,6 @@ RAW_OCCUPIED = 100.0
 """The value of an occupied pixel in the mode ``raw`` [-]. ROS."""
 FORMATS = ("PNG", "PPM", "BMP", "JPEG")
 """What images may be; ``PPM`` stands for PBM, PGM and PPM."""
-SUFFIXES = (".png", ".pgm", ".pbm", ".ppm", ".bmp", ".jpg", ".jpeg")
-"""How their files are called."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

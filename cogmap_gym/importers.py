@@ -7,6 +7,8 @@
 | pictures with a scale | ``.yaml`` or a mapping with the keys ``image`` and ``metres_per_pixel`` |
 | AMRL vectormaps | ``.vectormap.txt`` |
 | ARIA maps | ``.map`` |
+
+What reads a format is imported when a file asks for it: the libraries for images load slowly.
 """
 
 from __future__ import annotations
@@ -16,13 +18,13 @@ from pathlib import Path
 from typing import Any
 
 from cogmap_gym import generator, plan_file
-from cogmap_gym.bitmap_file import SCALES, SUFFIXES, read_bitmap
-from cogmap_gym.bitmap_plan import bitmap_plan
-from cogmap_gym.segment_file import read_aria, read_vectormap
-from cogmap_gym.segment_plan import segment_plan
 
 READABLE = (".yaml", ".yml", ".vectormap.txt", ".map")
 """How the files of plans are called."""
+PICTURES = (".png", ".pgm", ".pbm", ".ppm", ".bmp", ".jpg", ".jpeg")
+"""How the files of images are called, which need a description."""
+BITMAP_KEYS = ("image", "resolution", "metres_per_pixel")
+"""Any of these keys tells the description of a bitmap from a plan."""
 
 
 def mapping_of(source: str | Path | Mapping[str, Any]) -> tuple[Mapping[str, Any], str]:
@@ -46,14 +48,17 @@ def _of_file(path: Path) -> tuple[Mapping[str, Any], str]:
     origin, name = str(path), path.name.lower()
     if name.endswith((".yaml", ".yml")):
         return _described(plan_file.read(path), path.parent, origin)
-    if name.endswith(".txt"):
-        return segment_plan(read_vectormap(path), origin), origin
-    if name.endswith(".map"):
-        return segment_plan(read_aria(path), origin), origin
-    if name.endswith(SUFFIXES):
+    if name.endswith((".txt", ".map")):
+        from cogmap_gym.segment_file import read_aria, read_vectormap
+        from cogmap_gym.segment_plan import segment_plan
+
+        read = read_vectormap if name.endswith(".txt") else read_aria
+        return segment_plan(read(path), origin), origin
+    if name.endswith(PICTURES):
         raise ValueError(
             f"{path}: a picture needs a scale: expected "
-            f'{{"image": {path.name!r}, "metres_per_pixel": 0.05}}, as a mapping or in a .yaml file'
+            f'{{"image": {path.name!r}, "metres_per_pixel": 0.05}}, as a mapping or in a .yaml '
+            f"file (show_map.py: --metres-per-pixel 0.05)"
         )
     raise ValueError(f"{path}: expected a file ending in one of {READABLE}, got {path.suffix!r}")
 
@@ -62,6 +67,9 @@ def _described(
     mapping: Mapping[str, Any], folder: Path, origin: str
 ) -> tuple[Mapping[str, Any], str]:
     """A plan as it is, or the plan that a bitmap shows."""
-    if not any(key in mapping for key in ("image", *SCALES)):
+    if not any(key in mapping for key in BITMAP_KEYS):
         return mapping, origin
+    from cogmap_gym.bitmap_file import read_bitmap
+    from cogmap_gym.bitmap_plan import bitmap_plan
+
     return bitmap_plan(read_bitmap(mapping, folder, origin), origin), origin

@@ -70,7 +70,10 @@ class Raster:
             cells: (rows, columns), one part by the sides of its cells; it may have holes.
             tolerance: the outline keeps within this distance of the cells' edges [m].
         """
-        place, outlines = self.plan_from_raster.apply, _simplified(_rings(cells), tolerance / self.cell)
+        place, outlines = (
+            self.plan_from_raster.apply,
+            _simplified(_rings(cells), tolerance / self.cell),
+        )
         moved = [place(self.cell * ring) for ring in outlines]
         moved.sort(key=lambda ring: -float(Polygon(ring).area))
         return Polygon(moved[0], moved[1:])

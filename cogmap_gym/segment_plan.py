@@ -77,10 +77,11 @@ def _part_about(home: Points, segments: Segments) -> Raster:
 def _check_home(home: Points, segments: Segments, origin: str) -> None:
     gap, radius = point_segment_distances(home[None], segments).min(), RobotSpec().radius
     low, high = segments.min(axis=(0, 1)), segments.max(axis=(0, 1))
-    if gap < radius or not ((low < home) & (home < high)).all():
+    gap = min(gap, *(home - low), *(high - home))  # the box about all lines may become a wall
+    if gap < radius:
         raise ValueError(
-            f"{origin}: home: expected a place between the lines and {radius} m or more from "
-            f"each, got {home.tolist()}, {gap:.3f} m away"
+            f"{origin}: home: expected a place between the lines, {radius} m or more from each "
+            f"and from the box about all, got {home.tolist()}, {gap:.3f} m"
         )
 
 

@@ -95,7 +95,11 @@ def test_a_plan_of_lines_keeps_what_bounds_the_free_space_and_the_home_of_the_fi
         ("a.map", ARIA.replace("NumLines: 6", "NumLines: 9"), "NumLines: expected '9' lines"),
         ("a.map", ARIA.replace("0 5000 0 0\n", "0 5000 0\n"), "line 13: .*millimetres"),
         ("a.map", ARIA.replace("RobotHome 2000", "RobotHome x"), "RobotHome: .*'x 2500"),
-        ("a.map", ARIA.replace("RobotHome 2000 2500", "RobotHome 4100 1000"), r"home: .*0\.25.*4\.1"),
+        (
+            "a.map",
+            ARIA.replace("RobotHome 2000 2500", "RobotHome 4100 1000"),
+            r"home: .*0\.25.*4\.1",
+        ),
         ("a.map", ARIA.replace("RobotHome 2000", "RobotHome 99000"), r"home: .*between.*99\.0"),
         ("a.csv", VECTORMAP, "ending in one of .*got '.csv'"),
         ("plan", "name: x\n", "ending in one of .*got ''"),
