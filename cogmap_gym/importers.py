@@ -17,6 +17,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from shapely.errors import GEOSException
+
 from cogmap_gym import generator, plan_file
 
 READABLE = (".yaml", ".yml", ".vectormap.txt", ".map")
@@ -53,7 +55,10 @@ def _of_file(path: Path) -> tuple[Mapping[str, Any], str]:
         from cogmap_gym.segment_plan import segment_plan
 
         read = read_vectormap if name.endswith(".txt") else read_aria
-        return segment_plan(read(path), origin), origin
+        try:
+            return segment_plan(read(path), origin), origin
+        except GEOSException as error:  # lines so close that rounding ties them in a knot
+            raise ValueError(f"{path}: expected lines that can be joined, got: {error}") from error
     if name.endswith(PICTURES):
         raise ValueError(
             f"{path}: a picture needs a scale: expected "

@@ -19,6 +19,8 @@ JOINED_M = 1e-6
 """Within this distance it touches the other line already [m]. Ours: rounding."""
 TOUCHING_M = 0.005
 """The outside touches what is within this distance [m]. Ours: over the error of its arcs."""
+NOOK_M2 = 3.0
+"""What lies behind an opening must be larger [m^2]. Ours: the disc does not get into corners."""
 ARC_SIDES = 16
 """Sides of the polygon about a quarter of a circle [-]. Ours: within 4 mm of the circle."""
 
@@ -38,17 +40,27 @@ def shut_openings(segments: Segments, home: Points | None) -> Segments:
     """
     lines = shapely.linestrings(segments)
     beyond = box(*shapely.total_bounds(lines)).buffer(2.0 * WIDEST_M).exterior
-    space = shapely.difference(Polygon(beyond), thick(lines, WIDEST_M / 2.0))
+    space = Polygon(beyond).difference(thick(lines, WIDEST_M / 2.0, ARC_SIDES))
     around = next(part for part in shapely.get_parts(space) if part.intersects(beyond))
     outside = around.buffer(WIDEST_M / 2.0, quad_segs=ARC_SIDES)
     if home is not None and outside.covers(Point(home)):
         return segments
     inner = outside.boundary.difference(beyond.buffer(WIDEST_M))
-    seams = inner.difference(thick(lines, TOUCHING_M))
-    parts = [seam for seam in shapely.get_parts(seams) if not seam.is_empty]
-    ends = [np.array(seam.coords)[[0, -1]] for seam in parts]
+    seams = shapely.get_parts(inner.difference(thick(lines, TOUCHING_M)))
+    seams = _with_rooms_behind(seams[shapely.length(seams) > 0.0], lines, outside)
+    ends = [np.array(seam.coords)[[0, -1]] for seam in seams]
     met = _nearest(np.reshape(ends, (-1, 2)), lines).reshape(-1, 2, 2)
     return np.concatenate((segments, met[(met[:, 0] != met[:, 1]).any(axis=1)]))
+
+
+def _with_rooms_behind(seams: Any, lines: Any, outside: shapely.Geometry) -> Any:
+    """Those borders of the outside that have more than a nook on their other side."""
+    noded = shapely.union_all([*lines, outside.boundary])
+    faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))
+    rooms = faces[shapely.area(faces) > NOOK_M2]
+    rooms = rooms[~shapely.covers(outside, shapely.point_on_surface(rooms))]
+    middles = shapely.line_interpolate_point(seams, 0.5, normalized=True)
+    return seams[np.unique(shapely.STRtree(rooms).query(middles, "dwithin", JOINED_M)[0])]
 
 
 def _nearest(points: Points, lines: Any) -> Points:
@@ -72,9 +84,9 @@ def shut_cracks(segments: Segments) -> Segments:
     return np.concatenate((segments, shapely.get_coordinates(ways).reshape(-1, 2, 2)))
 
 
-def thick(lines: Any, radius: float) -> shapely.Geometry:
+def thick(lines: Any, radius: float, arc_sides: int = 2) -> shapely.Geometry:
     """All that is within a distance [m] of any of an array of lines.
 
     One by one and then united: a hundred times faster than the buffer of all lines as one.
     """
-    return shapely.union_all(shapely.buffer(lines, radius, quad_segs=ARC_SIDES))
+    return shapely.union_all(shapely.buffer(lines, radius, quad_segs=arc_sides))
