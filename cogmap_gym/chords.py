@@ -12,6 +12,8 @@ from cogmap_gym.floor_plan import FloorPlan
 
 DOOR_SIDE_M = 0.3
 """A door joins the rooms this far to either side of the middle of its leaf [m]. Ours."""
+ARC_SIDES = 16
+"""Sides of the polygon about a quarter of a circle [-]."""
 KEPT_PLANS = 8
 """For so many plans the rooms that can be visited are kept."""
 
@@ -54,10 +56,11 @@ def rooms_to_visit(plan: FloorPlan, radius: float, door_gap: float) -> tuple[str
         radius: of the robot [m].
         door_gap: how far from any door the spot must be [m].
     """
-    walls = shapely.union_all([LineString(s) for s in plan.walls_and_furniture()])
-    shut = shapely.union_all([LineString(plan.doors[name]) for name in plan.closed])
+    shut = [plan.doors[name] for name in plan.closed]
+    lines = shapely.linestrings([*plan.walls_and_furniture(), *shut])
     doors = shapely.union_all([LineString(leaf) for leaf in plan.doors.values()])
-    solid = shapely.union(walls, shut).buffer(radius)
+    # One by one and then united: a hundred times faster than the buffer of thousands as one.
+    solid = shapely.union_all(shapely.buffer(lines, radius, quad_segs=ARC_SIDES))
     parts = shapely.get_parts(plan.free_space().difference(solid))
     home = Point(plan.home.position)
     reached = min(parts, key=lambda part: float(part.distance(home)))

@@ -20,7 +20,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry import Point, Polygon, box
 
-from cogmap_gym import plan_file, plan_schema
+from cogmap_gym import importers, plan_file, plan_schema
 from cogmap_gym.free_space import free_space
 from cogmap_gym.geometry import NO_SEGMENTS, Points, Pose, Segments, point_segment_distances
 from cogmap_gym.observation import RobotSpec
@@ -80,18 +80,16 @@ class FloorPlan:
         """The plan that ``source`` stands for.
 
         Args:
-            source: a name under ``maps/`` such as ``"thesis_office"``, the path of a YAML plan,
-                ``"office:SEED"`` for a generated one, the mapping of a plan, or a plan,
-                which is returned as it is.
+            source: a name under ``maps/`` such as ``"thesis_office"``, the path of a plan in a
+                format that ``cogmap_gym.importers`` reads, ``"office:SEED"`` for a generated
+                one, the mapping of a plan or of a bitmap, or a plan, returned as it is.
 
         Raises:
             ValueError: no such plan, or one that breaks the format; names file, key, value.
         """
         if isinstance(source, FloorPlan):
             return source
-        if isinstance(source, Mapping):
-            return FloorPlan.from_mapping(source)
-        return FloorPlan.from_mapping(*plan_file.mapping_of(source))
+        return FloorPlan.from_mapping(*importers.mapping_of(source))
 
     @staticmethod
     def from_mapping(mapping: Mapping[str, Any], origin: str = "mapping") -> FloorPlan:

@@ -14,7 +14,6 @@ from typing import Any
 
 import yaml
 
-from cogmap_gym import generator
 from cogmap_gym.plan_schema import KEYS, shown
 
 MAX_BYTES = 32 * 1024 * 1024
@@ -46,18 +45,6 @@ def maps_folder() -> Path:
 def map_names() -> tuple[str, ...]:
     """Names of the packaged plans, sorted."""
     return tuple(sorted(path.stem for path in maps_folder().glob("*.yaml")))
-
-
-def mapping_of(source: str | Path) -> tuple[Mapping[str, Any], str]:
-    """The mapping that a packaged name, a path or ``"office:SEED"`` stands for, and its origin.
-
-    Raises:
-        ValueError: no such plan, or a file that is none.
-    """
-    if isinstance(source, str) and generator.is_office(source):
-        return generator.office(source), source
-    path = find(source)
-    return read(path), str(path)
 
 
 def find(source: str | Path) -> Path:

@@ -106,17 +106,33 @@ def _corners(segments: Segments, radius: float) -> tuple[Points, Points]:
 def _taut_edges(nodes: Points, outward: Points, walls: Segments, reach: float) -> Ints:
     """The edges (E, 2) that a shortest way can use: free, and tangent at both ends."""
     edges = [np.zeros((0, 2), dtype=np.int64)]
+    walls = np.ascontiguousarray(walls)
     for row in range(len(nodes) - 1):
-        way = nodes[row + 1 :] - nodes[row]
-        slack = TAUT * np.hypot(way[:, 0], way[:, 1])
-        taut = (np.abs(way @ outward[row]) <= slack) & (
-            np.abs((way * outward[row + 1 :]).sum(axis=1)) <= slack
-        )
-        others = row + 1 + np.flatnonzero(taut)
-        starts = np.broadcast_to(nodes[row], (len(others), 2)).copy()
-        others = others[clear(starts, nodes[others], walls, reach)]
+        others = np.asarray(_taut_and_clear(row, nodes, outward, walls, reach))
         edges.append(np.stack((np.full(len(others), row), others), axis=1))
     return np.concatenate(edges)
+
+
+@compiled
+def _taut_and_clear(
+    row: int, nodes: Points, outward: Points, walls: Segments, reach: float
+) -> Ints:
+    """The later nodes to which a free edge from node ``row`` is tangent at both ends, (K,)."""
+    x, y, ux, uy = nodes[row, 0], nodes[row, 1], outward[row, 0], outward[row, 1]
+    out = np.zeros(nodes.shape[0], dtype=np.int64)
+    count, blocker = 0, 0
+    for n in range(row + 1, nodes.shape[0]):
+        dx, dy = nodes[n, 0] - x, nodes[n, 1] - y
+        slack = TAUT * math.hypot(dx, dy)
+        if abs(dx * ux + dy * uy) > slack:
+            continue
+        if abs(dx * outward[n, 0] + dy * outward[n, 1]) > slack:
+            continue
+        blocker = _blocker(x, y, nodes[n, 0], nodes[n, 1], walls, reach, max(blocker, 0))
+        if blocker < 0:
+            out[count] = n
+            count += 1
+    return out[:count]
 
 
 @compiled
@@ -131,11 +147,18 @@ def _gap(x: float, y: float, px: float, py: float, qx: float, qy: float) -> floa
 
 
 @compiled
-def _is_clear(ax: float, ay: float, bx: float, by: float, solid: Segments, radius: float) -> bool:
-    """Whether no segment crosses the line from a to b or comes nearer than ``radius``."""
+def _blocker(
+    ax: float, ay: float, bx: float, by: float, solid: Segments, radius: float, first: int
+) -> int:
+    """A segment that crosses the line from a to b or comes nearer than ``radius``, or -1.
+
+    The search begins with segment ``first``: the one that stood in the last way may stand in
+    this one.
+    """
     left, right = min(ax, bx) - radius, max(ax, bx) + radius
     low, high = min(ay, by) - radius, max(ay, by) + radius
-    for n in range(solid.shape[0]):
+    for k in range(solid.shape[0]):
+        n = k + first if k + first < solid.shape[0] else k + first - solid.shape[0]
         px, py, qx, qy = solid[n, 0, 0], solid[n, 0, 1], solid[n, 1, 0], solid[n, 1, 1]
         if max(px, qx) < left or min(px, qx) > right or max(py, qy) < low or min(py, qy) > high:
             continue
@@ -144,23 +167,24 @@ def _is_clear(ax: float, ay: float, bx: float, by: float, solid: Segments, radiu
         side_a = (qx - px) * (ay - py) - (qy - py) * (ax - px)
         side_b = (qx - px) * (by - py) - (qy - py) * (bx - px)
         if side_p * side_q < 0.0 and side_a * side_b < 0.0:
-            return False
+            return n
         if radius > 0.0 and (
             _gap(px, py, ax, ay, bx, by) < radius
             or _gap(qx, qy, ax, ay, bx, by) < radius
             or _gap(ax, ay, px, py, qx, qy) < radius
             or _gap(bx, by, px, py, qx, qy) < radius
         ):
-            return False
-    return True
+            return n
+    return -1
 
 
 @compiled
 def _clear_rows(starts: Points, ends: Points, solid: Segments, radius: float) -> Mask:
-    """``_is_clear`` row by row."""
+    """Whether nothing blocks the line, row by row."""
     out = np.ones(starts.shape[0], dtype=np.bool_)
     for k in range(starts.shape[0]):
-        out[k] = _is_clear(starts[k, 0], starts[k, 1], ends[k, 0], ends[k, 1], solid, radius)
+        ax, ay, bx, by = starts[k, 0], starts[k, 1], ends[k, 0], ends[k, 1]
+        out[k] = _blocker(ax, ay, bx, by, solid, radius, 0) < 0
     return out
 
 
@@ -169,6 +193,6 @@ def _first_clear(here: Points, there: Points, order: Ints, solid: Segments, radi
     """The first of ``order`` that ``here`` (2,) can reach in a straight line, or -1."""
     for k in range(order.shape[0]):
         row = order[k]
-        if _is_clear(here[0], here[1], there[row, 0], there[row, 1], solid, radius):
+        if _blocker(here[0], here[1], there[row, 0], there[row, 1], solid, radius, 0) < 0:
             return int(row)
     return -1
