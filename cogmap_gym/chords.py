@@ -12,7 +12,7 @@ from cogmap_gym.floor_plan import FloorPlan
 
 DOOR_SIDE_M = 0.3
 """A door joins the rooms this far to either side of the middle of its leaf [m]. Ours."""
-KEPT_PLANS = 8
+KEPT_PLANS = 4096
 """For so many plans the rooms that can be visited are kept."""
 
 

@@ -16,21 +16,27 @@ from numpy.typing import NDArray
 
 from cogmap_gym.geometry import Array
 from cogmap_gym.grid import CELL_M, Mask
-from cogmap_gym.raycast_kernel import _angle, _cell_beams, compiled
+from cogmap_gym.kernel_parts import part
+from cogmap_gym.raycast_kernel import _cell_beams
 
 TILE: Final = 8
 """Cells along a side of a tile: 64 bits."""
 BLOCK: Final = 4
 """Tiles along a side of a block. Ours."""
-SPAN: Final = 8
+SPAN: Final = 4
 """Beams whose longest range is kept together. Ours."""
 SAMPLE: Final = 0.5
 """From one sample of a beam to the next, in cells; as in ``mark_seen``."""
 NARROWEST: Final = 1e-12
 """A beam's direction cosines are at least this, so that none divides by nothing."""
-STEP_X, STEP_Y, INVERSE_X, INVERSE_Y, SAMPLES = range(5)
-"""Rows of ``beams``: cells a sample, their inverses, and how many samples a beam has."""
+HALF_CELL: Final = 0.75
+"""Half a cell's diagonal and a little, in cells."""
+BEAM_COST: Final = 2
+"""Walking a beam through a tile costs as much as asking this many cells. Ours."""
 _ONE, _NONE, _ROW_BITS = np.uint64(1), np.uint64(0), np.uint64(255)
+_FIRST_COLUMN, _GATHER = np.uint64(0x0101010101010101), np.uint64(0x0102040810204080)
+_LOWEST = np.array([0, *((k & -k).bit_length() - 1 for k in range(1, 256))])
+_HIGHEST = np.array([0, *(k.bit_length() - 1 for k in range(1, 256))])
 Tiles = NDArray[np.uint64]
 
 
@@ -51,10 +57,10 @@ def blocks_of(tiles: Tiles) -> NDArray[np.uint8]:
     return np.asarray(parts.sum(axis=(1, 3), dtype=np.uint8))
 
 
-@compiled
+@part
 def look(
     unseen: Tiles, blocks: NDArray[np.uint8], x: float, y: float, heading: float,
-    fan: Array, last: int, step: float, ranges: Array, beams: Array, longest: Array,
+    fan: Array, last: int, step: float, ranges: Array, longest: Array,
 ) -> int:  # fmt: skip
     """Clear the bits of the cells that beams pass through; answer how many there were.
 
@@ -68,120 +74,184 @@ def look(
         last: the last beam.
         step: from a beam to the next [rad].
         ranges: (beams,), without noise [m].
-        beams: (5, beams), scratch.
         longest: (beams / SPAN + 1,), scratch.
     """
     c, s = math.cos(heading), math.sin(heading)
-    low_x = high_x = x
-    low_y = high_y = y
-    for b in range(np.uint64(last + 1)):
-        step_x = SAMPLE * (c * fan[0, b] - s * fan[1, b])
-        step_y = SAMPLE * (s * fan[0, b] + c * fan[1, b])
-        samples = math.floor(ranges[b] / (SAMPLE * CELL_M))
-        beams[STEP_X, b], beams[STEP_Y, b], beams[SAMPLES, b] = step_x, step_y, samples
-        step_x = step_x if abs(step_x) > NARROWEST else NARROWEST
-        step_y = step_y if abs(step_y) > NARROWEST else NARROWEST
-        beams[INVERSE_X, b], beams[INVERSE_Y, b] = 1.0 / step_x, 1.0 / step_y
-        end_x, end_y = x + samples * step_x, y + samples * step_y
-        low_x, high_x = min(low_x, end_x), max(high_x, end_x)
-        low_y, high_y = min(low_y, end_y), max(high_y, end_y)
-    _find_longest(beams, last, longest)
     side = float(TILE * BLOCK)
-    low, high = max(math.floor(low_y / side), 0), min(math.floor(high_y / side) + 1, len(blocks))
-    left = max(math.floor(low_x / side), 0)
-    right = min(math.floor(high_x / side) + 1, blocks.shape[1])
+    low_x, high_x, low_y, high_y = _find_longest(c, s, fan, last, step, ranges, longest)
+    low = max(math.floor((y + low_y) / side), 0)
+    high = min(math.floor((y + high_y) / side) + 1, blocks.shape[0])
+    left = max(math.floor((x + low_x) / side), 0)
+    right = min(math.floor((x + high_x) / side) + 1, blocks.shape[1])
     new = 0
     for j in range(low, high):
         for i in range(left, right):
             if blocks[j, i] == 0:
                 continue
-            dx, dy = (i + 0.5) * side - x, (j + 0.5) * side - y
-            if not _reached(c * dx + s * dy, c * dy - s * dx, side, step, last, longest):
+            dx, dy = i * side - x, j * side - y
+            if not _reached(dx, dy, dx + side, dy + side, c, s, step, last, longest):
                 continue
             for row in range(BLOCK * j, BLOCK * (j + 1)):
                 for column in range(BLOCK * i, BLOCK * (i + 1)):
-                    if unseen[row, column] == _NONE:
+                    bits = unseen[row, column]
+                    if bits == _NONE:
                         continue
+                    dx, dy = column * TILE - x, row * TILE - y
                     new += _look_at_tile(
-                        unseen, row, column, x, y, c, s, step, last, beams, longest
+                        unseen, row, column, dx, dy, c, s, fan, step, last, ranges
                     )
                     if unseen[row, column] == _NONE:
                         blocks[j, i] -= 1
     return new
 
 
-@compiled
-def _find_longest(beams: Array, last: int, longest: Array) -> None:
-    """The longest reach of each ``SPAN`` beams, in cells."""
+@part
+def _find_longest(
+    c: float, s: float, fan: Array, last: int, step: float, ranges: Array, longest: Array
+) -> tuple[float, float, float, float]:
+    """The longest reach of each ``SPAN`` beams, and a box about all beams, in cells."""
+    low_x = high_x = low_y = high_y = 0.0
     for k in range(last // SPAN + 1):
-        most = 0.0
-        for b in range(np.uint64(k * SPAN), np.uint64(min((k + 1) * SPAN, last + 1))):
-            most = max(most, beams[SAMPLES, b])
-        longest[k] = SAMPLE * most
+        most, begin = 0.0, k * SPAN
+        for b in range(begin, min(begin + SPAN, last + 1)):
+            most = max(most, ranges[b])
+        longest[k] = most / CELL_M
+        end_x = longest[k] * (c * fan[0, begin] - s * fan[1, begin])
+        end_y = longest[k] * (s * fan[0, begin] + c * fan[1, begin])
+        spread = longest[k] * SPAN * step + 1.0
+        low_x, high_x = min(low_x, end_x - spread), max(high_x, end_x + spread)
+        low_y, high_y = min(low_y, end_y - spread), max(high_y, end_y + spread)
+    return low_x, high_x, low_y, high_y
 
 
-@compiled
-def _reached(x: float, y: float, side: float, step: float, last: int, longest: Array) -> bool:
-    """Whether some beam may enter the square about (x, y) of the fan frame, in cells."""
-    nearest = math.sqrt(x * x + y * y) - math.sqrt(0.5) * side
-    low, high, over = _cell_beams(x, y, side, step, last)
+@part
+def _reached(
+    left: float, low: float, right: float, high: float, c: float, s: float,
+    step: float, last: int, longest: Array,
+) -> bool:  # fmt: skip
+    """Whether some beam may enter a box that is laid out from the laser, in cells."""
+    dx, dy = max(left, -right, 0.0), max(low, -high, 0.0)
+    nearest = dx * dx + dy * dy
+    mx, my = 0.5 * (left + right), 0.5 * (low + high)
+    side = math.sqrt(0.5 * ((right - left) ** 2 + (high - low) ** 2))
+    first, end, over = _cell_beams(c * mx + s * my, c * my - s * mx, side, step, last)
     reached = False
-    for k in range(low // SPAN, min(high, last) // SPAN + 1):
-        reached = reached or longest[k] >= nearest
+    for k in range(first // SPAN, min(end, last) // SPAN + 1):
+        reached = reached or longest[k] * longest[k] >= nearest
     for k in range(over // SPAN + 1):
-        reached = reached or longest[k] >= nearest
+        reached = reached or longest[k] * longest[k] >= nearest
     return reached
 
 
-@compiled
+@part
 def _look_at_tile(
     unseen: Tiles, row: int, column: int, x: float, y: float, c: float, s: float,
-    step: float, last: int, beams: Array, longest: Array,
+    fan: Array, step: float, last: int, ranges: Array,
 ) -> int:  # fmt: skip
-    """``look`` at one tile."""
-    dx, dy = (column + 0.5) * TILE - x, (row + 0.5) * TILE - y
-    if not _reached(c * dx + s * dy, c * dy - s * dx, float(TILE), step, last, longest):
-        return 0
-    bits, left, new = unseen[row, column], unseen[row, column], 0
-    for r in range(TILE):
-        if (bits >> np.uint64(TILE * r)) & _ROW_BITS == _NONE:
-            continue
-        for i in range(TILE):
-            bit = _ONE << np.uint64(TILE * r + i)
-            if bits & bit == _NONE:
-                continue
-            dx, dy = TILE * column + i - x, TILE * row + r - y
-            if _sampled(dx, dy, c, s, step, last, beams):
-                left ^= bit
-                new += 1
-    unseen[row, column] = left
-    return new
-
-
-@compiled
-def _sampled(dx: float, dy: float, c: float, s: float, step: float, last: int, beams: Array) -> bool:
-    """Whether a sample of a beam falls into the cell whose lower left corner is (dx, dy)."""
-    mx, my = dx + 0.5, dy + 0.5
-    fx, fy = c * mx + s * my, c * my - s * mx
-    low, high, over = _cell_beams(fx, fy, 1.0, step, last)
-    # The middle beam meets almost every cell that any beam meets.
-    middle = math.floor(_angle(fx, fy) / step + 0.5 * last + 0.5)
-    if 0 <= middle <= last and _meets(dx, dy, middle, beams):
-        return True
-    for b in range(low, high + 1):
-        if _meets(dx, dy, b, beams):
-            return True
+    """``look`` at one tile whose corner is at (x, y) from the laser, in cells."""
+    bits = unseen[row, column]
+    columns = bits | (bits >> np.uint64(32))
+    columns |= columns >> np.uint64(16)
+    columns = (columns | (columns >> np.uint64(8))) & _ROW_BITS
+    rows = bits | (bits >> np.uint64(4))
+    rows |= rows >> np.uint64(2)
+    rows = ((rows | (rows >> _ONE)) & _FIRST_COLUMN) * _GATHER >> np.uint64(56)
+    low, high = _LOWEST[rows], _HIGHEST[rows] + 1
+    left, right = _LOWEST[columns], _HIGHEST[columns] + 1
+    x0, y0, x1, y1 = x + left, y + low, x + right, y + high
+    dx, dy = max(x0, -x1, 0.0), max(y0, -y1, 0.0)
+    nearest = CELL_M * math.sqrt(dx * dx + dy * dy)
+    mx, my = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
+    side = math.sqrt(0.5 * ((x1 - x0) ** 2 + (y1 - y0) ** 2))
+    first, end, over = _cell_beams(c * mx + s * my, c * my - s * mx, side, step, last)
+    reaching = 0
+    for b in range(first, min(end, last) + 1):
+        reaching += ranges[b] >= nearest
     for b in range(over + 1):
-        if _meets(dx, dy, b, beams):
+        reaching += ranges[b] >= nearest
+    if reaching == 0:
+        return 0
+    found = _NONE
+    if BEAM_COST * reaching < _count(bits):
+        for b in range(first, min(end, last) + 1):
+            if ranges[b] >= nearest:
+                found |= _along(b, x, y, x0, y0, x1, y1, c, s, fan, ranges)
+        for b in range(over + 1):
+            if ranges[b] >= nearest:
+                found |= _along(b, x, y, x0, y0, x1, y1, c, s, fan, ranges)
+        found &= bits
+    else:
+        for r in range(low, high):
+            for i in range(left, right):
+                bit = _ONE << np.uint64(TILE * r + i)
+                if bits & bit and _sampled(x + i, y + r, c, s, fan, step, last, ranges):
+                    found |= bit
+    unseen[row, column] = bits ^ found
+    return _count(found)
+
+
+@part
+def _count(bits: np.uint64) -> np.int64:
+    """How many bits are set."""
+    pairs = bits - ((bits >> _ONE) & np.uint64(0x5555555555555555))
+    fours = np.uint64(0x3333333333333333)
+    pairs = (pairs & fours) + ((pairs >> np.uint64(2)) & fours)
+    bytes_ = (pairs + (pairs >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)
+    return np.int64((bytes_ * _FIRST_COLUMN) >> np.uint64(56))
+
+
+@part
+def _along(
+    b: int, x: float, y: float, x0: float, y0: float, x1: float, y1: float,
+    c: float, s: float, fan: Array, ranges: Array,
+) -> np.uint64:  # fmt: skip
+    """The cells of a tile at (x, y), within the box, into which samples of beam b fall."""
+    step_x = SAMPLE * (c * fan[0, b] - s * fan[1, b])
+    step_y = SAMPLE * (s * fan[0, b] + c * fan[1, b])
+    begin, end = _samples(x0, y0, x1, y1, step_x, step_y, ranges[b])
+    found = _NONE
+    for k in range(begin, end + 1):
+        column, row = math.floor(k * step_x - x), math.floor(k * step_y - y)
+        if 0 <= column < TILE and 0 <= row < TILE:
+            found |= _ONE << np.uint64(TILE * row + column)
+    return found
+
+
+@part
+def _samples(
+    x0: float, y0: float, x1: float, y1: float, step_x: float, step_y: float, reach: float
+) -> tuple[int, int]:
+    """The first and the last sample of a beam in a box; the first is later where none is."""
+    inverse_x = 1.0 / step_x if abs(step_x) > NARROWEST else 1.0 / NARROWEST
+    inverse_y = 1.0 / step_y if abs(step_y) > NARROWEST else 1.0 / NARROWEST
+    xa, xb, ya, yb = x0 * inverse_x, x1 * inverse_x, y0 * inverse_y, y1 * inverse_y
+    begin = max(max(min(xa, xb), min(ya, yb)), 0.0)
+    end = min(min(max(xa, xb), max(ya, yb)), reach / (SAMPLE * CELL_M))
+    return math.ceil(min(begin, end + 2.0)), math.floor(max(end, -1.0))
+
+
+@part
+def _sampled(
+    x: float, y: float, c: float, s: float, fan: Array, step: float, last: int, ranges: Array
+) -> bool:
+    """Whether a sample of a beam falls into the cell whose corner is at (x, y) from the laser."""
+    mx, my = x + 0.5, y + 0.5
+    fx, fy = c * mx + s * my, c * my - s * mx
+    low, high, across = _cell_beams(fx, fy, 1.0, step, last)
+    nearest = CELL_M * (math.sqrt(mx * mx + my * my) - HALF_CELL)
+    for b in range(low, min(high, last) + 1):
+        if ranges[b] >= nearest and _meets(x, y, c, s, b, fan, ranges[b]):
+            return True
+    for b in range(across + 1):
+        if ranges[b] >= nearest and _meets(x, y, c, s, b, fan, ranges[b]):
             return True
     return False
 
 
-@compiled
-def _meets(dx: float, dy: float, b: int, beams: Array) -> bool:
-    """Whether a sample of beam b falls into the cell."""
-    x0, x1 = dx * beams[INVERSE_X, b], (dx + 1.0) * beams[INVERSE_X, b]
-    y0, y1 = dy * beams[INVERSE_Y, b], (dy + 1.0) * beams[INVERSE_Y, b]
-    begin = max(max(min(x0, x1), min(y0, y1)), 0.0)
-    end = min(min(max(x0, x1), max(y0, y1)), beams[SAMPLES, b])
-    return math.ceil(begin) <= end
+@part
+def _meets(x: float, y: float, c: float, s: float, b: int, fan: Array, reach: float) -> bool:
+    """Whether a sample of beam b falls into the cell whose corner is at (x, y) from the laser."""
+    step_x = SAMPLE * (c * fan[0, b] - s * fan[1, b])
+    step_y = SAMPLE * (s * fan[0, b] + c * fan[1, b])
+    begin, end = _samples(x, y, x + 1.0, y + 1.0, step_x, step_y, reach)
+    return begin <= end

@@ -21,7 +21,8 @@ from cogmap_gym.body import (
     VELOCITY_SUBSTEPS,
 )
 from cogmap_gym.geometry import Array
-from cogmap_gym.raycast_kernel import Ints, compiled
+from cogmap_gym.kernel_parts import part
+from cogmap_gym.raycast_kernel import Ints
 
 ITERATIONS: Final = 10
 """Of the solver in a sub-step. pymunk's default."""
@@ -40,7 +41,7 @@ NEAR: Final = 11
 the row of the contact of this place in the list, impulse of the bias."""
 
 
-@compiled
+@part
 def gather(
     x: float, y: float, reach: float,
     segments: Array, first: Ints, rows: Ints, seen: Ints, stamp: int,
@@ -71,7 +72,7 @@ def gather(
     return count
 
 
-@compiled
+@part
 def _squared_gap(x: float, y: float, px: float, py: float, qx: float, qy: float) -> float:
     """Squared distance from (x, y) to the segment from p to q [m^2]."""
     dx, dy = qx - px, qy - py
@@ -80,7 +81,7 @@ def _squared_gap(x: float, y: float, px: float, py: float, qx: float, qy: float)
     return ex * ex + ey * ey
 
 
-@compiled
+@part
 def gap_to(x: float, y: float, near: Array, count: int) -> float:
     """Distance from (x, y) to the nearest of the first ``count`` of ``near`` [m]."""
     squared = math.inf
@@ -91,7 +92,7 @@ def gap_to(x: float, y: float, near: Array, count: int) -> float:
     return math.sqrt(squared)
 
 
-@compiled
+@part
 def _touch(x: float, y: float, radius: float, dt: float, near: Array, count: int, now: int) -> int:
     """Find the contacts of a disc at (x, y); answer how many, listed first in column 9."""
     touching = 0
@@ -113,7 +114,7 @@ def _touch(x: float, y: float, radius: float, dt: float, near: Array, count: int
     return touching
 
 
-@compiled
+@part
 def _solve(
     ux: float, uy: float, warm: float, near: Array, touching: int, now: int, out: Array
 ) -> None:
@@ -144,7 +145,7 @@ def _solve(
     out[0], out[1], out[2], out[3] = vx, vy, bx, by
 
 
-@compiled
+@part
 def _advance(
     heading: float, distance: float, speed: float, radius: float,
     near: Array, count: int, velocity: Array, path: Array, out: Array,
@@ -181,13 +182,13 @@ def _advance(
         near[k, 5] = -PERSISTENCE - 1.0
 
 
-@compiled
-def _wrapped(angle: float) -> float:
+@part
+def wrapped(angle: float) -> float:
     """An angle brought into (-pi, pi] as ``geometry.wrap_angle`` does."""
     return math.pi - (math.pi - angle) % math.tau
 
 
-@compiled
+@part
 def move_disc(
     turn: float, forward: float, speed: float, radius: float,
     near: Array, count: int, velocity: Array, path: Array, out: Array,
@@ -205,13 +206,13 @@ def move_disc(
         path: (MOST_POINTS, 2), where the centre went.
         out: (7,), the pose before, then after; the rest is written.
     """
-    out[HEADING] = _wrapped(out[HEADING] + turn)
+    out[HEADING] = wrapped(out[HEADING] + turn)
     path[0, 0], path[0, 1] = out[X], out[Y]
     out[TURNED], out[DRIVEN], out[BUMP], out[POINTS] = turn, 0.0, 0.0, 1.0
     _advance(out[HEADING], forward, speed, radius, near, count, velocity, path, out)
 
 
-@compiled
+@part
 def drive_disc(
     v: float, omega: float, seconds: float, speed: float, radius: float,
     near: Array, count: int, velocity: Array, path: Array, out: Array,
@@ -224,7 +225,7 @@ def drive_disc(
     while turned < VELOCITY_SUBSTEPS and out[BUMP] == 0.0:
         middle = out[HEADING] + 0.5 * omega * dt
         _advance(middle, v * dt, speed, radius, near, count, velocity, path, out)
-        out[HEADING] = _wrapped(out[HEADING] + omega * dt)
+        out[HEADING] = wrapped(out[HEADING] + omega * dt)
         turned += 1.0
     out[TURNED] = turned * omega * dt
 

@@ -93,7 +93,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         course = course_of(task, experiment, unreachable)
         steps_a_move = 1 if control == "move" else STEPS_A_MOVE
         self.task = Task(course, self.world, self.laser, steps_a_move)
-        self.max_moves = _max_moves(max_moves, steps_a_move * course.most_moves(self.plan))
+        self.max_moves = limit_of(max_moves, steps_a_move * course.most_moves(self.plan))
         self._scanner = Laser(self.world.caster, self.laser)
         self._bound = odometry_bound(self.robot, self.odometry)
         self.observation_space = observation_space(self.laser, self._bound)
@@ -114,7 +114,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         """
         super().reset(seed=seed)
         _layout, goals, self._noise = self.np_random.spawn(3)
-        home = _home(options, self.plan.home)
+        home = home_of(options, self.plan.home)
         self.world.set_state(self._start)
         self.world.place(home)
         self.task.reset(goals)
@@ -183,7 +183,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
     @spec.setter
     def spec(self, spec: EnvSpec | None) -> None:
         if spec is not None:
-            spec.kwargs = {key: _jsonable(value) for key, value in spec.kwargs.items()}
+            spec.kwargs = {key: jsonable(value) for key, value in spec.kwargs.items()}
         self._spec = spec
 
     _spec: EnvSpec | None = None
@@ -211,7 +211,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
         }
 
 
-def _max_moves(asked: int | None, default: int) -> int:
+def limit_of(asked: int | None, default: int) -> int:
     if asked is None:
         return default
     if isinstance(asked, bool) or not isinstance(asked, int) or asked < 1:
@@ -219,7 +219,7 @@ def _max_moves(asked: int | None, default: int) -> int:
     return asked
 
 
-def _home(options: Mapping[str, Any] | None, default: Pose) -> Pose:
+def home_of(options: Mapping[str, Any] | None, default: Pose) -> Pose:
     """Where the options put home."""
     unknown = set(options or ()) - {"home"}
     if unknown:
@@ -241,7 +241,7 @@ def _checked(action: Any) -> tuple[float, ...]:
     return tuple(np.clip(values, -1.0, 1.0).tolist())
 
 
-def _jsonable(value: Any) -> Any:
+def jsonable(value: Any) -> Any:
     """A keyword as JSON can hold it: specs and plans as mappings, paths as strings."""
     if isinstance(value, FloorPlan):
         return value.to_mapping()
