@@ -31,6 +31,8 @@ NARROWEST: Final = 1e-12
 """A beam's direction cosines are at least this, so that none divides by nothing."""
 HALF_CELL: Final = 0.75
 """Half a cell's diagonal and a little, in cells."""
+HALF_TURN: Final = math.pi + 1e-9
+"""A fan no wider than this sees nothing behind the laser [rad]."""
 BEAM_COST: Final = 2
 """Walking a beam through a tile costs as much as asking this many cells. Ours."""
 _ONE, _NONE, _ROW_BITS = np.uint64(1), np.uint64(0), np.uint64(255)
@@ -89,7 +91,8 @@ def look(
             if blocks[j, i] == 0:
                 continue
             dx, dy = i * side - x, j * side - y
-            if not _reached(dx, dy, dx + side, dy + side, c, s, step, last, longest):
+            reached = _reached(dx, dy, dx + side, dy + side, c, s, step, last, longest)
+            if not reached[0]:
                 continue
             for row in range(BLOCK * j, BLOCK * (j + 1)):
                 for column in range(BLOCK * i, BLOCK * (i + 1)):
@@ -98,7 +101,7 @@ def look(
                         continue
                     dx, dy = column * TILE - x, row * TILE - y
                     new += _look_at_tile(
-                        unseen, row, column, dx, dy, c, s, fan, step, last, ranges
+                        unseen, row, column, dx, dy, c, s, fan, step, last, ranges, longest
                     )
                     if unseen[row, column] == _NONE:
                         blocks[j, i] -= 1
@@ -128,26 +131,31 @@ def _find_longest(
 def _reached(
     left: float, low: float, right: float, high: float, c: float, s: float,
     step: float, last: int, longest: Array,
-) -> bool:  # fmt: skip
-    """Whether some beam may enter a box that is laid out from the laser, in cells."""
-    dx, dy = max(left, -right, 0.0), max(low, -high, 0.0)
-    nearest = dx * dx + dy * dy
+) -> tuple[bool, int, int, int]:  # fmt: skip
+    """Whether some beam may enter a box that is laid out from the laser, in cells.
+
+    Also which beams may: the first and the last, and the last beyond the seam behind the fan.
+    """
     mx, my = 0.5 * (left + right), 0.5 * (low + high)
-    side = math.sqrt(0.5 * ((right - left) ** 2 + (high - low) ** 2))
-    first, end, over = _cell_beams(c * mx + s * my, c * my - s * mx, side, step, last)
-    reached = False
-    for k in range(first // SPAN, min(end, last) // SPAN + 1):
-        reached = reached or longest[k] * longest[k] >= nearest
-    for k in range(over // SPAN + 1):
-        reached = reached or longest[k] * longest[k] >= nearest
-    return reached
+    fx, fy = c * mx + s * my, c * my - s * mx
+    squared = 0.5 * ((right - left) ** 2 + (high - low) ** 2)
+    if fx < 0.0 and fx * fx > squared and last * step < HALF_TURN:
+        return False, 0, -1, -1  # Behind a fan that is no wider than half a turn.
+    first, end, over = _cell_beams(fx, fy, math.sqrt(squared), step, last)
+    dx, dy = max(left, -right, 0.0), max(low, -high, 0.0)
+    nearest, most = dx * dx + dy * dy, 0.0
+    for k in range(np.uint64(first // SPAN), np.uint64(min(end, last) // SPAN + 1)):
+        most = max(most, longest[k])
+    for k in range(np.uint64(over // SPAN + 1)):
+        most = max(most, longest[k])
+    return most * most >= nearest, first, min(end, last), over
 
 
 @part
 def _look_at_tile(
     unseen: Tiles, row: int, column: int, x: float, y: float, c: float, s: float,
-    fan: Array, step: float, last: int, ranges: Array,
-) -> int:  # fmt: skip
+    fan: Array, step: float, last: int, ranges: Array, longest: Array,
+) -> np.int64:  # fmt: skip
     """``look`` at one tile whose corner is at (x, y) from the laser, in cells."""
     bits = unseen[row, column]
     columns = bits | (bits >> np.uint64(32))
@@ -159,21 +167,20 @@ def _look_at_tile(
     low, high = _LOWEST[rows], _HIGHEST[rows] + 1
     left, right = _LOWEST[columns], _HIGHEST[columns] + 1
     x0, y0, x1, y1 = x + left, y + low, x + right, y + high
+    reached, first, end, over = _reached(x0, y0, x1, y1, c, s, step, last, longest)
+    if not reached:
+        return np.int64(0)
     dx, dy = max(x0, -x1, 0.0), max(y0, -y1, 0.0)
-    nearest = CELL_M * math.sqrt(dx * dx + dy * dy)
-    mx, my = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
-    side = math.sqrt(0.5 * ((x1 - x0) ** 2 + (y1 - y0) ** 2))
-    first, end, over = _cell_beams(c * mx + s * my, c * my - s * mx, side, step, last)
-    reaching = 0
-    for b in range(first, min(end, last) + 1):
-        reaching += ranges[b] >= nearest
-    for b in range(over + 1):
-        reaching += ranges[b] >= nearest
+    nearest, reaching = CELL_M * math.sqrt(dx * dx + dy * dy), 0
+    for b in range(np.uint64(first), np.uint64(end + 1)):
+        reaching += 1 if ranges[b] >= nearest else 0
+    for b in range(np.uint64(over + 1)):
+        reaching += 1 if ranges[b] >= nearest else 0
     if reaching == 0:
-        return 0
+        return np.int64(0)
     found = _NONE
     if BEAM_COST * reaching < _count(bits):
-        for b in range(first, min(end, last) + 1):
+        for b in range(first, end + 1):
             if ranges[b] >= nearest:
                 found |= _along(b, x, y, x0, y0, x1, y1, c, s, fan, ranges)
         for b in range(over + 1):

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,7 +16,7 @@ from cogmap_gym.raycast_kernel import LANES, Ints
 from cogmap_gym.sensors import OdometrySpec, odometry_bound
 from cogmap_gym.sites import Site
 from cogmap_gym.trail_kernel import MOST_ENTERED, NOWHERE
-from cogmap_gym.vector_kernel import step_all, step_some
+from cogmap_gym.vector_kernel import step_robots
 from cogmap_gym.vector_tables import PLAN, ROBOT, SPEC
 
 FEWEST_IN_THREADS = 8
@@ -71,6 +71,7 @@ class Fleet:
         self._goals: tuple[Array, Array] = np.zeros((0, 2)), np.zeros((count, 0))
         self._graphs: dict[int, int] = {}
         self._scratch = self._made_scratch()
+        self._pool: ThreadPoolExecutor | None = None
 
     def site(self, row: int) -> Site:
         """The building of a robot."""
@@ -128,12 +129,29 @@ class Fleet:
             *(self._tables, self._rooms, self._memory, self._goals, self._scratch),
             *(self.entered, scan, odometry),
         )
-        if self.threads == 1:
-            step_some(0, self.count, 0, *arrays)
-        else:
-            numba.set_num_threads(min(self.threads, numba.config.NUMBA_NUM_THREADS))
-            step_all(self.threads, self.count, *arrays)
+        ends = [self.count * t // self.threads for t in range(self.threads + 1)]
+        parts = [(ends[t], ends[t + 1], t, *arrays) for t in range(self.threads)]
+        others = [self._helpers().submit(step_robots, *part) for part in parts[1:]]
+        step_robots(*parts[0])
+        for other in others:
+            other.result()
         return scan, odometry
+
+    def close(self) -> None:
+        """Let the threads go; they come back when they are needed."""
+        if self._pool is not None:
+            self._pool.shutdown()
+        self._pool = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the threads."""
+        return {**self.__dict__, "_pool": None}
+
+    def _helpers(self) -> ThreadPoolExecutor:
+        """The threads beside the one that calls."""
+        if self._pool is None:
+            self._pool = ThreadPoolExecutor(self.threads - 1)
+        return self._pool
 
     def _made_scratch(self) -> tuple[Any, ...]:
         """What each thread writes and forgets."""

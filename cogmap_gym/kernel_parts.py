@@ -25,16 +25,19 @@ def part(function: _F) -> _F:
     jit: Any = numba
     if jit.config.DISABLE_JIT:
         return np.errstate(all="ignore")(function)
-    kernel: _F = jit.njit(error_model="numpy", forceinline=True)(function)
+    kernel: _F = jit.njit(error_model="numpy")(function)
     return kernel
 
 
-def whole(function: _F, *, parallel: bool = False) -> _F:
-    """Compile a kernel that is made of parts and closes over their fingerprint."""
+def whole(function: _F) -> _F:
+    """Compile a kernel that is made of parts and closes over their fingerprint.
+
+    It lets other threads run meanwhile.
+    """
     jit: Any = numba
     if jit.config.DISABLE_JIT:
         return np.errstate(all="ignore")(function)
-    kernel: _F = jit.njit(cache=True, error_model="numpy", nogil=True, parallel=parallel)(function)
+    kernel: _F = jit.njit(cache=True, error_model="numpy", nogil=True)(function)
     return kernel
 
 

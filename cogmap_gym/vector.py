@@ -157,6 +157,10 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
             self._last = {key: value.copy() for key, value in observation.items()}
         return observation, rewards, terminated, truncated, info
 
+    def close_extras(self) -> None:
+        """Let the threads go."""
+        self._fleet.close()
+
     @property
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
         """The generator of each robot."""

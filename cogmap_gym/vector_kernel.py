@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
-import numba
 import numpy as np
 
 from cogmap_gym import (
@@ -20,6 +19,7 @@ from cogmap_gym import (
     disc_kernel,
     goal_kernel,
     grid,
+    kernel_parts,
     noise,
     phases,
     raycast_kernel,
@@ -143,8 +143,8 @@ def _approach(
     )  # fmt: skip
 
 
-def _kernels(sources: int) -> tuple[Any, Any]:
-    """The step of a range of robots, and that of all on several threads."""
+def _kernel(sources: int) -> Any:
+    """The step of the robots begin..end, with the scratch memory of thread t."""
 
     def step_some(
         begin: int, end: int, t: int, modes: Any, actions: Any, spec: Any, plans: Any,
@@ -210,27 +210,12 @@ def _kernels(sources: int) -> tuple[Any, Any]:
                 seen[t, fixed + m] = 0
         return sources
 
-    some = whole(step_some)
-
-    def step_all(
-        threads: int, count: int, modes: Any, actions: Any, spec: Any, plans: Any,
-        robots: Any, solid: Any, wanted: Any, tables: Tables, rooms: Tables, memory: Tables,
-        goals: Tables, scratch: Tables, entered: Any, scan: Any, odometry: Any,
-    ) -> int:  # fmt: skip
-        for t in numba.prange(threads):
-            some(
-                t * count // threads, (t + 1) * count // threads, t, modes, actions, spec, plans,
-                robots, solid, wanted, tables, rooms, memory, goals, scratch, entered, scan,
-                odometry,
-            )  # fmt: skip
-        return sources
-
-    return some, whole(step_all, parallel=True)
+    return whole(step_some)
 
 
-step_some, step_all = _kernels(
+step_robots = _kernel(
     fingerprint(
-        body, coverage_kernel, disc_kernel, goal_kernel, grid, noise, phases, raycast_kernel,
-        sensors, trail, trail_kernel, vector_tables, visibility,
+        body, coverage_kernel, disc_kernel, goal_kernel, grid, kernel_parts, noise, phases,
+        raycast_kernel, sensors, trail, trail_kernel, vector_tables, visibility,
     )  # fmt: skip
 )
