@@ -63,7 +63,7 @@ def blocks_of(tiles: Tiles) -> NDArray[np.uint8]:
 def look(
     unseen: Tiles, blocks: NDArray[np.uint8], x: float, y: float, heading: float,
     fan: Array, last: int, step: float, ranges: Array, longest: Array,
-) -> int:  # fmt: skip
+) -> np.int64:  # fmt: skip
     """Clear the bits of the cells that beams pass through; answer how many there were.
 
     Args:
@@ -85,7 +85,7 @@ def look(
     high = min(math.floor((y + high_y) / side) + 1, blocks.shape[0])
     left = max(math.floor((x + low_x) / side), 0)
     right = min(math.floor((x + high_x) / side) + 1, blocks.shape[1])
-    new = 0
+    new = np.int64(0)
     for j in range(low, high):
         for i in range(left, right):
             if blocks[j, i] == 0:
@@ -234,7 +234,9 @@ def _samples(
     xa, xb, ya, yb = x0 * inverse_x, x1 * inverse_x, y0 * inverse_y, y1 * inverse_y
     begin = max(max(min(xa, xb), min(ya, yb)), 0.0)
     end = min(min(max(xa, xb), max(ya, yb)), reach / (SAMPLE * CELL_M))
-    return math.ceil(min(begin, end + 2.0)), math.floor(max(end, -1.0))
+    if end < begin:
+        return 0, -1
+    return math.ceil(begin), math.floor(end)
 
 
 @part

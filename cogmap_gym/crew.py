@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -64,23 +66,31 @@ class Crew:
             for row, world in enumerate(self.worlds)
         ]
 
-    def reset(self, row: int, home: Pose | None, goals: np.random.Generator) -> None:
-        """Begin an episode of one robot.
+    def place(self, row: int, home: Pose | None) -> None:
+        """Put one robot at the beginning of an episode, which ``appear`` completes.
 
         Raises:
             ValueError: if home is no place for the robot.
         """
         self.worlds[row].begin(home)
-        self.tasks[row].reset(goals)
-        self._aimed[row] = None
-        self._begin(row)
-        self._look_after(row)
+        self.seen[row], self._aimed[row] = 0, None
 
-    def appear(self, rows: Ints) -> None:
-        """Count what the robots have seen whose first step the fleet has made."""
-        self.seen[rows] += self._fleet.robots["new"][rows]
-        for row in rows.tolist():
-            self.mark[row], self.events[row] = self.tasks[row].mark, self.tasks[row].events
+    def appear(self, goals: Mapping[int, np.random.Generator]) -> None:
+        """Begin the episodes of the robots whose first step the fleet has made.
+
+        Args:
+            goals: by row, the stream from which a robot's course draws.
+        """
+        for row, rng in goals.items():
+            self.seen[row] += self._fleet.robots[row]["new"]
+            self.tasks[row].reset(rng)
+            self._begin(row)
+            self._look_after(row)
+
+    @property
+    def changed(self) -> Ints:
+        """The robots whose doors or barriers have changed in the last step."""
+        return np.flatnonzero(self.events != NO_EVENTS)
 
     def step(self, acting: Flags, declared: Flags, before: NDArray[np.void]) -> tuple[Array, Flags]:
         """Judge one step of the robots, which the fleet has already made.

@@ -86,9 +86,7 @@ def gap_to(x: float, y: float, near: Array, count: int) -> float:
     """Distance from (x, y) to the nearest of the first ``count`` of ``near`` [m]."""
     squared = math.inf
     for k in range(count):
-        squared = min(
-            squared, _squared_gap(x, y, near[k, 0], near[k, 1], near[k, 2], near[k, 3])
-        )
+        squared = min(squared, _squared_gap(x, y, near[k, 0], near[k, 1], near[k, 2], near[k, 3]))
     return math.sqrt(squared)
 
 
@@ -228,4 +226,3 @@ def drive_disc(
         out[HEADING] = wrapped(out[HEADING] + omega * dt)
         turned += 1.0
     out[TURNED] = turned * omega * dt
-

@@ -212,6 +212,7 @@ class CogMapEnv(gym.Env[Observation, Any]):
 
 
 def limit_of(asked: int | None, default: int) -> int:
+    """The limit of an episode that was asked for, or the default [steps]."""
     if asked is None:
         return default
     if isinstance(asked, bool) or not isinstance(asked, int) or asked < 1:

@@ -75,7 +75,8 @@ class Fleet:
 
     def site(self, row: int) -> Site:
         """The building of a robot."""
-        return self.sites[self.where[row]]
+        site: Site = self.sites[int(self.where[row])]
+        return site
 
     def place(self, row: int, x: float, y: float, theta: float) -> None:
         """Put a robot somewhere at the beginning of an episode, with nothing seen."""
@@ -111,27 +112,33 @@ class Fleet:
         robot["goal"], robot["mark_reach"] = goal, reach
         robot["mark_x"], robot["mark_y"] = mark
 
-    def step(self, modes: NDArray[np.int64], actions: Array) -> tuple[NDArray[np.float32], ...]:
+    def step(
+        self, modes: NDArray[np.int64], actions: Array, scan: NDArray[np.float32] | None = None
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Step all robots.
 
         Args:
             modes: (N,), what each does: ``MOVE``, ``DECLARE``, ``APPEAR`` or ``REST``.
             actions: (N, 3) in [-1, 1].
+            scan: (N, beams), written in place of a fresh one.
 
         Returns:
             Fresh arrays: scans (N, beams) [m] and odometry (N, 3) [m, m, rad]; those of robots
             at rest are not written.
         """
-        scan = np.empty((self.count, self._beams), dtype=np.float32)
+        if scan is None:
+            scan = np.empty((self.count, self._beams), dtype=np.float32)
         odometry = np.empty((self.count, 3), dtype=np.float32)
-        arrays = (
+        arrays: tuple[Any, ...] = (
             *(modes, actions, self._spec, self.plans, self.robots, self.solid, self.wanted),
             *(self._tables, self._rooms, self._memory, self._goals, self._scratch),
             *(self.entered, scan, odometry),
         )
         ends = [self.count * t // self.threads for t in range(self.threads + 1)]
-        parts = [(ends[t], ends[t + 1], t, *arrays) for t in range(self.threads)]
-        others = [self._helpers().submit(step_robots, *part) for part in parts[1:]]
+        parts: list[tuple[Any, ...]] = [
+            (ends[t], ends[t + 1], t, *arrays) for t in range(self.threads)
+        ]
+        others = [self._helpers().submit(_step, part) for part in parts[1:]]
         step_robots(*parts[0])
         for other in others:
             other.result()
@@ -169,6 +176,11 @@ class Fleet:
             np.zeros((threads, beams), dtype=np.bool_),
             np.zeros((threads, 0)),
         )
+
+
+def _step(part: tuple[Any, ...]) -> None:
+    """Step some robots."""
+    step_robots(*part)
 
 
 def _plan_table(sites: Sequence[Site]) -> NDArray[Any]:

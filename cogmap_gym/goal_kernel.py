@@ -44,9 +44,7 @@ def distance_to_goal(
         for k in range(len(nodes)):
             if values[k] < least:
                 best, least = k, values[k]
-        if best < 0 or _is_free(
-            x, y, nodes[best, 0], nodes[best, 1], walls, leaves, solid, reach
-        ):
+        if best < 0 or _is_free(x, y, nodes[best, 0], nodes[best, 1], walls, leaves, solid, reach):
             return least
         values[best] = math.inf
 

@@ -1,4 +1,6 @@
-"""The worlds and tasks of single robots of a fleet: the rules are those of ``tasks``, asked only when they can matter.
+"""The worlds and tasks of single robots of a fleet.
+
+The rules are those of ``tasks``, asked only when they can matter.
 
 In nearly every step of a robot nothing happens but a small reward, which the compiled step has
 the numbers for. ``RowTask`` says what to wait for: a declaration, a share seen, a budget used
@@ -8,6 +10,7 @@ up, a room entered. Only then is its ``Task`` asked.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -95,6 +98,14 @@ class RowWorld(World):
             self.place(self.plan.home if home is None else home)
         self._checked = self._checked or home is None
 
+    def __getstate__(self) -> dict[str, Any]:
+        """All of it: nothing here is pymunk's."""
+        return self.__dict__
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """As it was."""
+        self.__dict__.update(state)
+
     def _set_solid(self, name: str, solid: bool) -> None:
         self._body.set_solid(len(self._fixed) + self._rows[name], solid=solid)
 
@@ -113,9 +124,7 @@ class RowCoverage(Coverage):
         return float(self._counts[self._row] / self._total)
 
     def forget(self) -> None:
-        """Begin again with nothing seen."""
-        self._counts[self._row] = 0
-        self._fleet.robots[self._row]["new"] = 0
+        """What was seen is forgotten as the robot is placed."""
 
     def look(self, pose: Pose) -> float:  # noqa: ARG002 - the step has looked from there
         """The share that was new in the last step."""

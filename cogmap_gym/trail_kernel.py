@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Final
 
-
 from cogmap_gym.disc_kernel import _squared_gap
 from cogmap_gym.geometry import Array, Points
 from cogmap_gym.kernel_parts import part
@@ -95,9 +94,10 @@ def follow(
             x = path[k - 1, 0] + share * (path[k, 0] - path[k - 1, 0])
             y = path[k - 1, 1] + share * (path[k, 1] - path[k - 1, 1])
         room = room_at(x, y, boxes, corners, edges, first_room, end_room)
-        if room not in (NOWHERE, last) and entered[0] < MOST_ENTERED:
-            if door_gap(x, y, segments, begin, end) >= ENTERED_M:
-                entered[0] += 1
-                entered[entered[0]] = room
-                last = room
+        if room in (NOWHERE, last) or entered[0] >= MOST_ENTERED:
+            continue
+        if door_gap(x, y, segments, begin, end) >= ENTERED_M:
+            entered[0] += 1
+            entered[entered[0]] = room
+            last = room
     return length

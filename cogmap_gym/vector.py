@@ -30,7 +30,7 @@ from cogmap_gym.raycast_kernel import Ints
 from cogmap_gym.scores import SCORES
 from cogmap_gym.sensors import OdometrySpec, laser_spec, odometry_bound
 from cogmap_gym.sites import Map, load_sites
-from cogmap_gym.vector_tables import APPEAR, DECLARE, MOVE, REST
+from cogmap_gym.vector_tables import AGAIN, APPEAR, DECLARE, MOVE, REST
 
 Info = dict[str, Any]
 _KEYS = ("pose", "room", "coverage", "path_length", "phase", "events", "is_success", *SCORES)
@@ -99,6 +99,7 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         self._seeds = [-1] * self.num_envs
         self._moves = np.zeros(self.num_envs, dtype=np.int64)
         self._ended = np.zeros(self.num_envs, dtype=np.bool_)
+        self._still = np.zeros((self.num_envs, 3))
         self._all = np.ones(self.num_envs, dtype=np.bool_)
         self._last: Observation | None = None
 
@@ -124,14 +125,11 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         mask = _mask(options.pop("reset_mask", None), self.num_envs)
         rows = np.flatnonzero(mask)
         self._check_mask(mask)
-        for row in rows.tolist():
-            self._begin(row, seeds[row], options)
-        self._last = self._observed(rows, self._last)
+        goals = {row: self._placed(row, seeds[row], options) for row in rows.tolist()}
+        self._last = self._observed(goals, self._last)
         return {key: value.copy() for key, value in self._last.items()}, self._info(mask)
 
-    def step(
-        self, actions: NDArray[np.float32]
-    ) -> tuple[Observation, Array, Flags, Flags, Info]:
+    def step(self, actions: NDArray[np.float32]) -> tuple[Observation, Array, Flags, Flags, Info]:
         """Make one move of each robot, or declare; robots that ended are begun anew by the mode.
 
         Raises:
@@ -140,13 +138,14 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         """
         checked = _checked(actions, self.num_envs)
         fresh = self._ended
-        self._begin_ended()
+        goals = self._placed_ended()
         declared = (checked[:, 2] > DECLARED) & ~fresh
         modes = np.where(fresh, APPEAR, np.where(declared, DECLARE, MOVE))
         before = self._fleet.robots.copy()
         scan, odometry = self._fleet.step(modes, checked)
         rewards, terminated = self._crew.step(~fresh, declared, before)
-        self._crew.appear(np.flatnonzero(fresh))
+        self._crew.appear(goals)
+        self._scan_again(scan)
         self._moves += ~fresh
         truncated = (self._moves >= self._most_moves) & ~terminated & ~fresh
         self._ended = terminated | truncated
@@ -161,7 +160,7 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         """Let the threads go."""
         self._fleet.close()
 
-    @property
+    @property  # type: ignore[misc]
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
         """The generator of each robot."""
         return tuple(self._rng(row) for row in range(self.num_envs))
@@ -192,15 +191,19 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
             self._rngs[row] = rng
         return rng
 
-    def _begin(self, row: int, seed: int | None, options: dict[str, Any]) -> None:
-        """Begin an episode of one robot, with the streams that ``CogMapEnv.reset`` has."""
+    def _placed(self, row: int, seed: int | None, options: dict[str, Any]) -> np.random.Generator:
+        """Put one robot at the beginning of an episode; answer the stream of its goals.
+
+        The streams are those of ``CogMapEnv.reset``.
+        """
         _layout, goals, noise = self._rng(row, seed).spawn(3)
         home = home_of(options, self._fleet.site(row).plan.home) if options else None
-        self._crew.reset(row, home, goals)
+        self._crew.place(row, home)
         robot = self._fleet.robots[row]
         robot["turn_sign"], robot["distance_sign"] = 1.0 - 2.0 * noise.integers(2, size=2)
         robot["key"] = noise.bit_generator.random_raw()
         self._moves[row], self._ended[row] = 0, False
+        return goals
 
     def _check_mask(self, mask: Flags) -> None:
         """Refuse to begin some robots' episodes where the others' last step is not kept."""
@@ -208,24 +211,22 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         if not (disabled or mask.all()):
             raise ValueError("reset_mask: only with autoreset_mode 'Disabled', after a full reset")
 
-    def _begin_ended(self) -> None:
-        """Begin the next episodes of the robots that ended in the last step."""
+    def _placed_ended(self) -> dict[int, np.random.Generator]:
+        """Put the robots that ended in the last step at the beginning of their next episode."""
         if self._last is None:
             raise ResetNeeded("Cannot call step before the first reset")
         rows = np.flatnonzero(self._ended).tolist()
         if rows and self.autoreset_mode is AutoresetMode.DISABLED:
             raise ValueError(f"step: robots {rows} ended: reset them first, by 'reset_mask'")
         self._ended = self._ended.copy()
-        for row in rows:
-            self._begin(row, None, {})
+        return {row: self._placed(row, None, {}) for row in rows}
 
     def _begun_at_once(self, last: Observation, info: Info) -> tuple[Observation, Info]:
         """The observation and info of mode ``SameStep``, given those of the robots' ends."""
         ended = self._ended
         rows = np.flatnonzero(ended)
-        for row in rows.tolist():
-            self._begin(row, None, {})
-        observation = self._observed(rows, last)
+        goals = {row: self._placed(row, None, {}) for row in rows.tolist()}
+        observation = self._observed(goals, last)
         fresh = self._info(self._all)
         for row in rows.tolist():
             final = {key: value[row] for key, value in last.items()}
@@ -233,13 +234,24 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
             self._add_info(fresh, {"final_obs": final, "final_info": told}, row)
         return observation, fresh
 
-    def _observed(self, rows: Ints, last: Observation | None) -> Observation:
+    def _scan_again(self, scan: NDArray[np.float32]) -> None:
+        """Where a door or barrier has changed after a step, the robot sees it as it is now."""
+        changed = self._crew.changed
+        if len(changed):
+            modes = np.full(self.num_envs, REST)
+            modes[changed] = AGAIN
+            self._fleet.step(modes, self._still, scan)
+
+    def _observed(
+        self, goals: dict[int, np.random.Generator], last: Observation | None
+    ) -> Observation:
         """The first observation of some robots' episodes, beside the last one of the others."""
         modes = np.full(self.num_envs, REST)
-        modes[rows] = APPEAR
-        first = self._observation(*self._fleet.step(modes, np.zeros((self.num_envs, 3))))
-        self._crew.appear(rows)
-        first["mark"] = self._crew.mark.copy()
+        modes[list(goals)] = APPEAR
+        scan, odometry = self._fleet.step(modes, self._still)
+        self._crew.appear(goals)
+        self._scan_again(scan)
+        first = self._observation(scan, odometry)
         if last is not None:
             for key, value in first.items():
                 value[modes == REST] = last[key][modes == REST]

@@ -54,7 +54,7 @@ from cogmap_gym.phases import MARK_GAP_M
 from cogmap_gym.raycast_kernel import cast_rays
 from cogmap_gym.sensors import TYPICAL_DISTANCE, TYPICAL_TURN
 from cogmap_gym.trail_kernel import NOWHERE, door_gap, follow, room_at
-from cogmap_gym.vector_tables import APPEAR, MOVE, REST
+from cogmap_gym.vector_tables import AGAIN, DECLARE, MOVE, REST
 from cogmap_gym.visibility import TOLERANCE_M
 
 ABSENT: Final = int(np.iinfo(np.int64).max)
@@ -106,8 +106,9 @@ def _measure(r: Any, spec: Any, turn: float, distance: float, reading: Any) -> N
 def _sense(
     r: Any, p: Any, spec: Any, segments: Array, tables: Tables, seen: Any, stamp: int,
     tiles: Any, blocks: Any, longest: Array, draws: Array, missed: Any, scan: Any,
+    looks: bool,
 ) -> None:  # fmt: skip
-    """Scan, add the noise, and mark what is seen; see ``Laser.scan`` and ``Coverage.look``."""
+    """Scan, with noise, and if it ``looks`` mark what is seen; see ``Laser`` and ``Coverage``."""
     grids, first, rows, fan = tables
     c, s = math.cos(r["theta"]), math.sin(r["theta"])
     x = r["x"] + c * spec["mount_x"] - s * spec["mount_y"]
@@ -117,8 +118,10 @@ def _sense(
         segments, first[p["cells"] :], rows, seen, stamp, grids[r["plan"]],
         p["columns"], p["lines"], fan, last, spec["step"], spec["range_max"], x, y, heading,
     )  # fmt: skip
-    key = np.int64(key_at(r["key"], 2 * r["count"] + 1) >> np.uint64(1))
+    key = int(key_at(r["key"], 2 * r["count"] + 1) >> np.uint64(1))
     add_noise(ranges, spec["range_max"], spec["sd"], key, draws, missed, scan)
+    if not looks:
+        return
     high, wide = p["tile_rows"], p["tile_columns"]
     unseen = tiles[r["tiles"] : r["tiles"] + high * wide].reshape((high, wide))
     full = blocks[r["blocks"] : r["blocks"] + high * wide // 16].reshape((high // 4, wide // 4))
@@ -166,19 +169,22 @@ def _kernel(sources: int) -> Any:
             segments = all_segments[p["begin"] : p["begin"] + total]
             for m in range(p["movable"]):
                 seen[t, fixed + m] = 0 if solid[i, m] else ABSENT
+            if modes[i] == AGAIN:
+                r["count"] -= 1
             reach = spec["radius"] + DRIFT_M
             if modes[i] == MOVE:
                 reach += spec["speed"] * spec["seconds"]
                 if spec["velocity"] == 0:
                     reach += spec["forward"] * (actions[i, 1] + 1.0) / 2.0
             count = 0
-            if modes[i] == MOVE or r["goal"] > 0:
+            if modes[i] == MOVE or (modes[i] == DECLARE and r["goal"] > 0):
                 count = gather(
                     r["x"], r["y"], reach, segments, tables[1][p["cells"] :], tables[2], seen[t],
                     stamp - 1, tables[0][r["plan"]], p["columns"], p["lines"], near[t],
                 )  # fmt: skip
-            entered[i, 0], r["bump"] = 0, 0
-            odometry[i, 0] = odometry[i, 1] = odometry[i, 2] = 0.0
+            if modes[i] != AGAIN:
+                entered[i, 0], r["bump"] = 0, 0
+                odometry[i, 0] = odometry[i, 1] = odometry[i, 2] = 0.0
             if modes[i] == MOVE:
                 o = out[t]
                 o[X], o[Y], o[HEADING] = r["x"], r["y"], r["theta"]
@@ -198,12 +204,12 @@ def _kernel(sources: int) -> Any:
             if r["room"] != NOWHERE and wanted[i, r["room"]]:
                 gap = door_gap(r["x"], r["y"], segments, fixed, fixed + p["doors"])
                 r["marked"] = 1 if gap >= MARK_GAP_M else 0
-            if r["goal"] > 0 and modes[i] != APPEAR:
+            if r["goal"] > 0 and modes[i] in (MOVE, DECLARE):
                 gap = gap_to(r["x"], r["y"], near[t], count)
                 _approach(r, p, spec, segments, gap, solid[i], nodes, lengths[i], values[t])
             _sense(
                 r, p, spec, segments, tables, seen[t], stamp, tiles, blocks, longest[t],
-                draws[t], missed[t], scan[i],
+                draws[t], missed[t], scan[i], modes[i] != AGAIN,
             )  # fmt: skip
             r["count"] += 1
             for m in range(p["movable"]):
@@ -215,7 +221,19 @@ def _kernel(sources: int) -> Any:
 
 step_robots = _kernel(
     fingerprint(
-        body, coverage_kernel, disc_kernel, goal_kernel, grid, kernel_parts, noise, phases,
-        raycast_kernel, sensors, trail, trail_kernel, vector_tables, visibility,
-    )  # fmt: skip
+        body,
+        coverage_kernel,
+        disc_kernel,
+        goal_kernel,
+        grid,
+        kernel_parts,
+        noise,
+        phases,
+        raycast_kernel,
+        sensors,
+        trail,
+        trail_kernel,
+        vector_tables,
+        visibility,
+    )
 )

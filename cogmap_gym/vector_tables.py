@@ -6,8 +6,9 @@ from typing import Final
 
 import numpy as np
 
-MOVE, DECLARE, APPEAR, REST = range(4)
-"""What a robot does in a step: moves; stands and declares; stands on its first step; nothing."""
+MOVE, DECLARE, APPEAR, REST, AGAIN = range(5)
+"""What a robot does in a step: moves; stands and declares; stands on its first step; nothing;
+scans again, since a door has changed after the step."""
 
 _INT, _FLOAT = np.int64, np.float64
 PLAN: Final = np.dtype(
