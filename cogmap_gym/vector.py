@@ -8,7 +8,6 @@ as strong, but drawn from streams of its own.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,16 +19,26 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from cogmap_gym.courses import course_of
-from cogmap_gym.crew import Crew, Flags
-from cogmap_gym.env import DECLARED, STEPS_A_MOVE, home_of, jsonable, limit_of
+from cogmap_gym.crew import Crew
+from cogmap_gym.env import DECLARED, STEPS_A_MOVE, home_of, limit_of
 from cogmap_gym.fleet import Fleet
-from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Array
 from cogmap_gym.observation import LaserSpec, Observation, RobotSpec, observation_space
-from cogmap_gym.raycast_kernel import Ints
 from cogmap_gym.scores import SCORES
 from cogmap_gym.sensors import OdometrySpec, laser_spec, odometry_bound
 from cogmap_gym.sites import Map, load_sites
+from cogmap_gym.vector_keywords import (
+    Flags,
+    checked_actions,
+    count_of,
+    jsonable_list,
+    maps_of,
+    mask_of,
+    mode_of,
+    refuse,
+    room_table,
+    seeds_of,
+)
 from cogmap_gym.vector_tables import AGAIN, APPEAR, DECLARE, MOVE, REST
 
 Info = dict[str, Any]
@@ -74,14 +83,14 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         **lacking: Any,
     ) -> None:
         """Load the plans and build robots and tasks; ``reset`` begins the episodes."""
-        _refuse(lacking)
-        self.num_envs, self.threads = _count(num_envs, "num_envs"), _count(threads, "threads")
-        self.autoreset_mode = _mode(autoreset_mode)
+        refuse(lacking)
+        self.num_envs, self.threads = count_of(num_envs, "num_envs"), count_of(threads, "threads")
+        self.autoreset_mode = mode_of(autoreset_mode)
         self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
         self.robot, self.laser = RobotSpec(control=control), laser_spec(laser)
         self.odometry = OdometrySpec.of(odometry)
         course = course_of(task, experiment, unreachable)
-        maps = _maps(map)
+        maps = maps_of(map)
         sites, which = load_sites(maps[: self.num_envs])
         where = np.resize(which, self.num_envs)
         steps_a_move = 1 if control == "move" else STEPS_A_MOVE
@@ -94,7 +103,7 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         self.single_action_space = self.robot.action_space
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self._room_names, self._room_rows = _room_table([site.plan for site in sites], where)
+        self._room_names, self._room_rows = room_table([site.plan for site in sites], where)
         self._rngs: list[np.random.Generator | None] = [None] * self.num_envs
         self._seeds = [-1] * self.num_envs
         self._moves = np.zeros(self.num_envs, dtype=np.int64)
@@ -120,9 +129,9 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
             ValueError: an unknown option, a mask or seeds of another length, or a home that is
                 no place for the robot.
         """
-        seeds = _seeds(seed, self.num_envs)
+        seeds = seeds_of(seed, self.num_envs)
         options = dict(options or {})
-        mask = _mask(options.pop("reset_mask", None), self.num_envs)
+        mask = mask_of(options.pop("reset_mask", None), self.num_envs)
         rows = np.flatnonzero(mask)
         self._check_mask(mask)
         goals = {row: self._placed(row, seeds[row], options) for row in rows.tolist()}
@@ -136,7 +145,7 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
             ValueError: actions of another shape than (N, 3), or with NaN; in mode ``Disabled``
                 a robot that ended and was not reset.
         """
-        checked = _checked(actions, self.num_envs)
+        checked = checked_actions(actions, self.num_envs)
         fresh = self._ended
         goals = self._placed_ended()
         declared = (checked[:, 2] > DECLARED) & ~fresh
@@ -178,7 +187,7 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
     @spec.setter
     def spec(self, spec: EnvSpec | None) -> None:
         if spec is not None:
-            spec.kwargs = {key: _jsonable(value) for key, value in spec.kwargs.items()}
+            spec.kwargs = {key: jsonable_list(value) for key, value in spec.kwargs.items()}
         self._spec = spec
 
     _spec: EnvSpec | None = None
@@ -284,80 +293,3 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         masks = np.repeat(mask[None], len(_KEYS), axis=0)
         info.update(zip(_MASKS, masks, strict=True))
         return info
-
-
-def _refuse(lacking: Mapping[str, Any]) -> None:
-    """Refuse what only single environments have; None asks for nothing."""
-    asked = {key: value for key, value in lacking.items() if value is not None}
-    if asked:
-        key, value = next(iter(asked.items()))
-        raise ValueError(
-            f"{key}: the vector environment does not have it, got {value!r}; "
-            f"make_vec(..., vectorization_mode='sync') takes all that make takes"
-        )
-
-
-def _count(value: Any, name: str) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        raise ValueError(f"{name}: expected an int of at least 1, got {value!r}")
-    return value
-
-
-def _mode(value: AutoresetMode | str) -> AutoresetMode:
-    try:
-        return AutoresetMode(value)
-    except ValueError:
-        modes = [mode.value for mode in AutoresetMode]
-        raise ValueError(f"autoreset_mode: expected one of {modes}, got {value!r}") from None
-
-
-def _maps(value: Map | Sequence[Map]) -> Sequence[Map]:
-    """A list of maps, of one or of many."""
-    if isinstance(value, str | Path | Mapping | FloorPlan):
-        return [value]
-    if not isinstance(value, Sequence) or not value:
-        raise ValueError(f"map: expected a map or a list of maps, got {value!r}")
-    return value
-
-
-def _room_table(plans: Sequence[FloorPlan], where: Ints) -> tuple[NDArray[Any], Ints]:
-    """The names of all rooms, before each plan's the name of none; where each robot's begin."""
-    names = np.array([name for p in plans for name in ("", *p.room_names)], dtype=object)
-    ends = np.cumsum([0, *(len(p.rooms) + 1 for p in plans)])
-    return names, ends[where] + 1
-
-
-def _seeds(seed: int | Sequence[int | None] | None, count: int) -> Sequence[int | None]:
-    """A seed for each robot."""
-    if seed is None:
-        return [None] * count
-    if isinstance(seed, int | np.integer):
-        return [int(seed) + row for row in range(count)]
-    if len(seed) != count:
-        raise ValueError(f"seed: expected one for each of {count} robots, got {len(seed)}")
-    return seed
-
-
-def _mask(value: Any, count: int) -> Flags:
-    """Which robots are to be reset."""
-    if value is None:
-        return np.ones(count, dtype=np.bool_)
-    mask = np.asarray(value)
-    if mask.shape != (count,) or mask.dtype != np.bool_ or not mask.any():
-        raise ValueError(f"options: reset_mask: expected {count} bools, one true, got {value!r}")
-    return mask
-
-
-def _checked(actions: Any, count: int) -> Array:
-    """The actions (N, 3), clipped to [-1, 1]."""
-    values = np.asarray(actions, dtype=np.float64)
-    if values.shape != (count, 3) or np.isnan(values).any():
-        raise ValueError(f"actions: expected shape ({count}, 3) without NaN, got {actions!r}")
-    return np.clip(values, -1.0, 1.0)
-
-
-def _jsonable(value: Any) -> Any:
-    """A keyword as JSON can hold it; also a list of maps, and a mode."""
-    if isinstance(value, AutoresetMode):
-        return value.value
-    return [jsonable(one) for one in value] if isinstance(value, list | tuple) else jsonable(value)
