@@ -26,4 +26,9 @@ ENV_IDS = tuple(f"CogMap/{name}-v0" for name in _TASKS)
 
 for _id, _task in zip(ENV_IDS, _TASKS.values(), strict=True):
     if _id not in registry:
-        register(_id, entry_point="cogmap_gym.env:CogMapEnv", kwargs={"task": _task})
+        register(
+            _id,
+            entry_point="cogmap_gym.env:CogMapEnv",
+            vector_entry_point="cogmap_gym.vector:CogMapVectorEnv",
+            kwargs={"task": _task},
+        )

@@ -14,7 +14,7 @@ DOOR_SIDE_M = 0.3
 """A door joins the rooms this far to either side of the middle of its leaf [m]. Ours."""
 ARC_SIDES = 16
 """Sides of the polygon about a quarter of a circle [-]."""
-KEPT_PLANS = 8
+KEPT_PLANS = 4096
 """For so many plans the rooms that can be visited are kept."""
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy import ndimage
 
-from cogmap_gym.geometry import Pose
+from cogmap_gym.floor_plan import FloorPlan
+from cogmap_gym.geometry import Pose, Segments
 from cogmap_gym.grid import Grid, Mask, mark_seen
 from cogmap_gym.observation import LaserSpec
 from cogmap_gym.world import World
@@ -27,7 +28,7 @@ class Coverage:
         self._world = world
         self._laser = laser
         self._grid = Grid.over(world.plan.walls_and_furniture())
-        counts = _reachable(self._grid, world)
+        counts = reachable(self._grid, world.plan, world.solid_segments)
         self._uncounted = ~counts
         self._seen = self._uncounted.copy()
         self._total = max(int(counts.sum()), 1)
@@ -54,11 +55,10 @@ class Coverage:
         return int(new) / self._total
 
 
-def _reachable(grid: Grid, world: World) -> Mask:
-    """The cells that hang together with home, away from walls."""
+def reachable(grid: Grid, plan: FloorPlan, solid: Segments) -> Mask:
+    """The cells that hang together with home, away from all that is ``solid`` (N, 2, 2) [m]."""
     xs, ys = grid.centres()
-    left, low, right, high = world.plan.bounds
+    left, low, right, high = plan.bounds
     inside = (xs > left) & (xs < right) & (ys > low) & (ys < high)
-    labels, _ = ndimage.label(inside & ~grid.near(world.solid_segments, WALL_M))
-    home = world.plan.home
-    return np.asarray(labels == labels[grid.cell(home.x, home.y)])
+    labels, _ = ndimage.label(inside & ~grid.near(solid, WALL_M))
+    return np.asarray(labels == labels[grid.cell(plan.home.x, plan.home.y)])

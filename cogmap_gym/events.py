@@ -123,6 +123,11 @@ class EventQueue:
         """All that has not happened yet, what is due first."""
         return (*self._due, *self._waiting)
 
+    @property
+    def has_due(self) -> bool:
+        """Whether something waits for nothing but the robot's leaving."""
+        return bool(self._due)
+
     def fire(self, trail: tuple[str, ...]) -> tuple[str, ...]:
         """Fire what is due and clear of the robot.
 

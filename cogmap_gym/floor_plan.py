@@ -30,6 +30,9 @@ DOOR_REACH = 0.05
 DEGREE_DECIMALS = 12
 """Decimals of a heading in a file, so that 30 degrees stays 30.0 [-]. Ours."""
 
+_NAMED = ("doors", "barriers", "rooms")
+"""The fields that map names to points."""
+
 
 @dataclass(frozen=True, eq=False)
 class FloorPlan:
@@ -62,7 +65,7 @@ class FloorPlan:
         """
         for key in ("walls", "furniture"):
             object.__setattr__(self, key, tuple(map(_frozen, getattr(self, key))))
-        for key in ("doors", "barriers", "rooms"):
+        for key in _NAMED:
             frozen = {name: _frozen(points) for name, points in getattr(self, key).items()}
             object.__setattr__(self, key, MappingProxyType(frozen))
         object.__setattr__(self, "closed", tuple(self.closed))
@@ -71,9 +74,8 @@ class FloorPlan:
         _check_home(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        doors, barriers, rooms = map(dict, (self.doors, self.barriers, self.rooms))
-        drawn = self.name, self.walls, self.furniture, doors, self.closed, barriers, rooms
-        return FloorPlan, (*drawn, self.home, self.origin)
+        fields = {**self.__dict__, **{key: dict(getattr(self, key)) for key in _NAMED}}
+        return _restored, ({k: v for k, v in fields.items() if k != "_room_polygons"},)
 
     @staticmethod
     def load(source: str | Path | Mapping[str, Any] | FloorPlan) -> FloorPlan:
@@ -202,6 +204,18 @@ class FloorPlan:
     @cached_property
     def _free_space(self) -> Polygon:
         return free_space(self.walls, self.furniture, self.home.position)
+
+
+def _restored(fields: dict[str, Any]) -> FloorPlan:
+    """A plan that was pickled: it was checked when it was made."""
+    plan = object.__new__(FloorPlan)
+    for key, value in fields.items():
+        if key in ("walls", "furniture"):
+            value = tuple(map(_frozen, value))
+        elif key in _NAMED:
+            value = MappingProxyType({name: _frozen(line) for name, line in value.items()})
+        object.__setattr__(plan, key, value)
+    return plan
 
 
 def _frozen(points: Any) -> Points:

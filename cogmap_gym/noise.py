@@ -93,6 +93,44 @@ def _finish(bits: np.uint64) -> float:
 
 
 @compiled
+def add_noise(
+    ranges: Array,
+    range_max: float,
+    sd: float,
+    key: int,
+    draws: Array,
+    missed: NDArray[np.bool_],
+    out: NDArray[np.float32],
+) -> None:
+    """``noisy_ranges`` into ``out``, with scratch arrays (beams,) that the caller keeps."""
+    beams = np.uint64(len(ranges))
+    for i in range(beams):  # Without branches, so that it is vectorised.
+        bits = _mix(np.uint64(key) + (np.uint64(i) + _ONE) * _STEP)
+        layer = bits & _LAYER_MASK
+        x = float(bits >> _MANTISSA_SHIFT) * UNIT * _EDGES[layer]
+        missed[i] = x >= _EDGES[layer + _ONE]
+        draws[i] = -x if bits & _SIGN_BIT else x
+    for i in range(beams):
+        if missed[i]:
+            draws[i] = _finish(_mix(np.uint64(key) + (np.uint64(i) + _ONE) * _STEP))
+    for i in range(beams):
+        noisy = min(max(ranges[i] + sd * draws[i], 0.0), range_max)
+        out[i] = noisy if ranges[i] < range_max else range_max
+
+
+@compiled
+def key_at(key: np.uint64, place: int) -> np.uint64:
+    """The key of a place in the stream of another key."""
+    return _mix(key + np.uint64(place) * _STEP)
+
+
+@compiled
+def normal(key: np.uint64) -> float:
+    """One standard normal draw; the same key gives the same."""
+    return _finish(_mix(key + _STEP))
+
+
+@compiled
 def noisy_ranges(ranges: Array, range_max: float, sd: float, key: int) -> NDArray[np.float32]:
     """Add Gaussian noise to the ranges that are returns.
 
@@ -105,19 +143,7 @@ def noisy_ranges(ranges: Array, range_max: float, sd: float, key: int) -> NDArra
     Returns:
         (beams,) float32 within [0, range_max].
     """
-    beams = np.uint64(len(ranges))
     draws, missed = np.empty(len(ranges)), np.empty(len(ranges), dtype=np.bool_)
-    for i in range(beams):  # Without branches, so that it is vectorised.
-        bits = _mix(np.uint64(key) + (np.uint64(i) + _ONE) * _STEP)
-        layer = bits & _LAYER_MASK
-        x = float(bits >> _MANTISSA_SHIFT) * UNIT * _EDGES[layer]
-        missed[i] = x >= _EDGES[layer + _ONE]
-        draws[i] = -x if bits & _SIGN_BIT else x
-    for i in range(beams):
-        if missed[i]:
-            draws[i] = _finish(_mix(np.uint64(key) + (np.uint64(i) + _ONE) * _STEP))
     out = np.empty(len(ranges), dtype=np.float32)
-    for i in range(beams):
-        noisy = min(max(ranges[i] + sd * draws[i], 0.0), range_max)
-        out[i] = noisy if ranges[i] < range_max else range_max
+    add_noise(ranges, range_max, sd, key, draws, missed, out)
     return out

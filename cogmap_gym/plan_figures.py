@@ -7,7 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from cogmap_gym.figures import ASR_COLORS, finish, plot_home, plot_plan
+from cogmap_gym.colors import ASR_COLORS
+from cogmap_gym.figures import finish, plot_home, plot_plan
 from cogmap_gym.floor_plan import FloorPlan
 
 SIDE_IN = 11.0

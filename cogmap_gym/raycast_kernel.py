@@ -69,8 +69,8 @@ def _angle(x: float, y: float) -> float:
 @compiled
 def _first_beam(x: float, y: float, fan: Array, last: int, step: float) -> int:
     """First beam at or counter-clockwise of the point (x, y); may be one past the last."""
-    f = _angle(x, y) / step + 0.5 * last
-    margin = ANGLE_ERROR / step
+    per_step = 1.0 / step  # One division, outside the loop over the walls.
+    f, margin = _angle(x, y) * per_step + 0.5 * last, ANGLE_ERROR * per_step
     i: int = math.ceil(min(max(f - margin, 0.0), last + 1.0))
     stop = min(f + margin, 1.0 * last)
     while i <= stop and x * fan[1, i] - y * fan[0, i] < -SLACK:
@@ -81,8 +81,8 @@ def _first_beam(x: float, y: float, fan: Array, last: int, step: float) -> int:
 @compiled
 def _last_beam(x: float, y: float, fan: Array, last: int, step: float) -> int:
     """Last beam at or clockwise of the point (x, y); may be one before the first, -1."""
-    f = _angle(x, y) / step + 0.5 * last
-    margin = ANGLE_ERROR / step
+    per_step = 1.0 / step  # One division, outside the loop over the walls.
+    f, margin = _angle(x, y) * per_step + 0.5 * last, ANGLE_ERROR * per_step
     i: int = math.floor(max(min(f + margin, 1.0 * last), -1.0))
     stop = max(f - margin, 0.0)
     while i >= stop and x * fan[1, i] - y * fan[0, i] > SLACK:
@@ -213,6 +213,7 @@ def cast_rays(
     inverse = np.full(fan.shape[1], 1.0 / range_max)
     open_at = np.arange(last + 2)
     c, s = math.cos(heading), math.sin(heading)
+    behind = -SLACK if last * step <= math.pi else -math.inf  # What is further back is not seen.
     cell, gx, gy = grid[2], x - grid[0], y - grid[1]
     column, line = math.floor(gx / cell), math.floor(gy / cell)
     ring = max(0, -column, column - columns + 1, -line, line - lines + 1)
@@ -242,6 +243,8 @@ def cast_rays(
                     qx, qy = segments[row, 2] - x, segments[row, 3] - y
                     px, py = c * px + s * py, c * py - s * px
                     qx, qy = c * qx + s * qy, c * qy - s * qx
+                    if max(px, qx) < behind:
+                        continue
                     _draw(px, py, qx, qy, fan, last, step, inverse)
         ring += 1
         reach = _reach(gx, gy, ring, cell, columns, lines)

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
+from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Array, Points, Pose, Segments, point_segment_distances
 from cogmap_gym.visibility import TOLERANCE_M, Ints, VisibilityGraph, clear, first_clear
 from cogmap_gym.world import World
@@ -18,18 +19,40 @@ Solid = frozenset[str]
 """The names of all doors that are shut and all barriers that stand."""
 
 
-class Routes:
-    """Shortest true ways in a world, with the doors as they stand, or as they might.
+class RouteTables:
+    """What the routes of all robots of one plan share.
 
     The graph is made when the first way is asked for (half a second for a large office).
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, plan: FloorPlan, movable: Segments, radius: float) -> None:
+        """Nothing is computed yet."""
+        self._plan, self._movable, self._radius = plan, movable, radius
+        self._graph: VisibilityGraph | None = None
+        self.fields: dict[tuple[object, ...], tuple[Array, Ints]] = {}
+
+    @property
+    def graph(self) -> VisibilityGraph:
+        """The visibility graph of the plan."""
+        if self._graph is None:
+            self._graph = VisibilityGraph.of(self._plan, self._movable, self._radius)
+        return self._graph
+
+
+class Routes:
+    """Shortest true ways in a world, with the doors as they stand, or as they might.
+
+    Args:
+        world: with the robot and the doors.
+        tables: those of the world's plan and robot, where they are shared.
+    """
+
+    def __init__(self, world: World, tables: RouteTables | None = None) -> None:
         """Nothing is computed yet."""
         self._world = world
-        self._graph: VisibilityGraph | None = None
+        own = RouteTables(world.plan, world.movable_segments, world.robot.radius)
+        self._tables = own if tables is None else tables
         self._rows = {n: k for k, n in enumerate((*world.plan.door_names, *world.plan.barriers))}
-        self._fields: dict[tuple[object, ...], tuple[Array, Ints]] = {}
         self._walls: tuple[Solid, Segments] = (frozenset(), world.fixed_segments)
 
     @property
@@ -59,11 +82,22 @@ class Routes:
             return None
         points = [here.position]
         if node >= 0:
-            graph, (_, towards) = self._made(), self._field(there, solid)
+            graph, (_, towards) = self._tables.graph, self._field(there, solid)
             while node < len(graph.nodes):
                 points.append(graph.nodes[node])
                 node = int(towards[node])
         return np.array((*points, there.position))
+
+    def lengths_to(self, there: Pose) -> tuple[Points, Array, float]:
+        """What ``distance`` to a pose is made of, with the doors as they are now.
+
+        Returns:
+            The nodes (K, 2), from each the length of the way (K,), and what a way must keep
+            clear at its end, all [m].
+        """
+        solid = self.solid
+        reach = self._reach(there.position, self._segments(solid))
+        return self._tables.graph.nodes, self._field(there, solid)[0], reach
 
     def in_sight(self, eye: Points, name: str, solid: Solid) -> bool:
         """Whether a quarter point or the middle of a door or barrier is in line of sight.
@@ -85,7 +119,7 @@ class Routes:
         reach = min(self._reach(a, segments), self._reach(b, segments))
         if clear(a[None], b[None], segments, reach)[0]:
             return here.distance(there), -1
-        nodes = self._made().nodes
+        nodes = self._tables.graph.nodes
         lengths = self._field(there, solid)[0] + np.hypot(*(nodes - a).T)
         order = np.argsort(lengths, kind="stable")
         order = order[: np.count_nonzero(np.isfinite(lengths))]
@@ -105,25 +139,19 @@ class Routes:
             self._walls = solid, np.concatenate((self._world.fixed_segments, leaves))
         return self._walls[1]
 
-    def _made(self) -> VisibilityGraph:
-        if self._graph is None:
-            world = self._world
-            movable, radius = world.movable_segments, world.robot.radius
-            self._graph = VisibilityGraph.of(world.plan, movable, radius)
-        return self._graph
-
     def _field(self, there: Pose, solid: Solid) -> tuple[Array, Ints]:
         """From every node: how far it is to ``there`` [m], and the next node on the way."""
         key = (there.x, there.y, solid)
-        if key not in self._fields:
-            if len(self._fields) >= CACHED_FIELDS:
-                self._fields.pop(next(iter(self._fields)))
-            self._fields[key] = self._computed(there, solid)
-        return self._fields[key]
+        fields = self._tables.fields
+        if key not in fields:
+            if len(fields) >= CACHED_FIELDS:
+                fields.pop(next(iter(fields)))
+            fields[key] = self._computed(there, solid)
+        return fields[key]
 
     def _computed(self, there: Pose, solid: Solid) -> tuple[Array, Ints]:
         """Dijkstra from one more node, the last, which stands for ``there``."""
-        graph, segments, goal = self._made(), self._segments(solid), there.position
+        graph, segments, goal = self._tables.graph, self._segments(solid), there.position
         count = len(graph.nodes)
         goals = np.broadcast_to(goal, graph.nodes.shape).copy()
         near = np.flatnonzero(clear(goals, graph.nodes, segments, self._reach(goal, segments)))

@@ -46,10 +46,18 @@ class Task:
         world: the truth, which the task's events change.
         laser: what the robot sees with, for coverage.
         steps_a_move: how many steps count as one move of a budget; 1 but for velocity control.
+        coverage: what has been seen, where another keeps count of it.
+        routes: the shortest ways, where others share their tables.
     """
 
     def __init__(
-        self, course: Course, world: World, laser: LaserSpec, steps_a_move: int = 1
+        self,
+        course: Course,
+        world: World,
+        laser: LaserSpec,
+        steps_a_move: int = 1,
+        coverage: Coverage | None = None,
+        routes: Routes | None = None,
     ) -> None:
         """Check the plan; an episode begins with ``reset``.
 
@@ -59,8 +67,8 @@ class Task:
         course.check(world.plan)
         self._course, self._world, self._steps_a_move = course, world, steps_a_move
         self._range_max = laser.range_max
-        self._coverage = Coverage(world, laser)
-        self._routes = Routes(world)
+        self._coverage = Coverage(world, laser) if coverage is None else coverage
+        self._routes = Routes(world) if routes is None else routes
         self._phases: tuple[Phase, ...] = ()
         self._events: tuple[str, ...] = ()
         self._trail = Trail(world.plan, world.pose)
