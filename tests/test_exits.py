@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agents.cogmap.exit_sight import seen_through_exit
 from agents.cogmap.exits import (
     NOWHERE,
     Book,
@@ -19,7 +20,6 @@ from agents.cogmap.exits import (
     remember_exits,
     rename_place,
     replace_exit,
-    seen_through_exit,
 )
 from agents.cogmap.params import Exits
 from cogmap_gym.geometry import Points, Pose, Segments
