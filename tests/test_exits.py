@@ -144,6 +144,8 @@ def test_points_behind_an_exit_or_in_it_are_seen_through_it() -> None:
     assert seen.tolist() == [True, True, False, False, False]
     assert seen_through_exit((), robot, points, 0.1).tolist() == [False] * 5
     assert seen_through_exit(book(), robot, points[:0], 0.1).shape == (0,)
+    false = (replace(book()[0], false=True),)
+    assert not seen_through_exit(false, robot, points, 0.1).any(), "it parts nothing"
 
 
 @given(moved=ANYWHERE, seed=st.integers(0, 99))

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from agents.cogmap.exits import Book, exit_lines
 from agents.cogmap.params import Exits
-from cogmap_gym.geometry import Points, cross, segments_cross
+from cogmap_gym.geometry import Points, Segments, cross, segments_cross
 
 
 def seen_through_exit(
@@ -21,7 +21,7 @@ def seen_through_exit(
         points: (P, 2) in the MFIS.
         beside: an exit covers this much more than itself at both ends [m].
     """
-    lines = exit_lines(tuple(e for e in book if e.sightings > 0 and e.left != e.right))
+    lines = _parting(book)
     d = lines[:, 1] - lines[:, 0]
     width = np.hypot(d[:, 0], d[:, 1])
     wide = d / width[:, None] * beside
@@ -41,9 +41,7 @@ def reach_to_exits(book: Book, eye: Points, ends: Points, params: Exits) -> NDAr
         ends: (P, 2) in the MFIS.
         params: an exit covers ``slack`` more than itself at both ends.
     """
-    lines = exit_lines(
-        tuple(e for e in book if e.sightings > 0 and e.left != e.right and not e.false)
-    )
+    lines = _parting(book)
     along = lines[:, 1] - lines[:, 0]
     share = params.slack / np.hypot(along[:, 0], along[:, 1])
     rays = (ends - eye)[:, None]
@@ -54,3 +52,9 @@ def reach_to_exits(book: Book, eye: Points, ends: Points, params: Exits) -> NDAr
     meets = (t > 0.0) & (u > -share) & (u < 1.0 + share)
     size = np.hypot(*(ends - eye).T)
     return np.asarray(np.where(meets, t, np.inf).min(axis=1, initial=np.inf) * size)
+
+
+def _parting(book: Book) -> Segments:
+    """The lines of the exits that were seen and part two places, (E, 2, 2)."""
+    seen = (e for e in book if e.sightings > 0 and e.left != e.right and not e.false)
+    return exit_lines(tuple(seen))
