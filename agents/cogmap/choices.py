@@ -34,6 +34,12 @@ def choose(memory: Memory, view: View, params: Params) -> Intent:
     gap = _best_gap(memory, lead_points(memory.stay.leads, params))
     if gap is not None:
         return Intent(GAP, gap)
+    return _onward(memory, params)
+
+
+def _onward(memory: Memory, params: Params) -> Intent:
+    """Out of an explored place: to what others hide, else by the exit crossed longest ago."""
+    stay = memory.stay
     onward = way_to_leads(memory, params) or _oldest_exit(memory, params)
     if onward is not None and onward.id == stay.entry and not _was_inside(memory, params):
         return Intent(SPOT, _well_inside(memory, onward.middle, params))
@@ -42,7 +48,7 @@ def choose(memory: Memory, view: View, params: Params) -> Intent:
     if stay.entry and memory.exit(stay.entry).failures < params.exploration.max_failures:
         entry = memory.exit(stay.entry)  # a dead end
         return Intent(EXIT, entry.middle, entry.id)
-    return Intent(LOOK, at)
+    return Intent(LOOK, memory.pose.position)
 
 
 def new_exit(memory: Memory, params: Params) -> Exit | None:
