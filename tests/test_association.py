@@ -137,3 +137,23 @@ def test_an_old_surface_is_not_moved_by_the_search() -> None:
     found(place, beams)
     assert (place == before[0]).all()
     assert (beams.ends == before[1]).all()
+
+
+def test_a_fit_is_sure_only_if_it_is_good_and_near() -> None:
+    def fit(coverage: float, contradiction: float, distance: float) -> bool:
+        return Hypothesis(3, Pose(), coverage, contradiction, distance).sure(P)
+
+    good, few, near = P.sure_coverage, P.sure_contradiction, P.base_shift
+    assert fit(good, few, near)
+    assert not fit(good - 0.01, few, near)
+    assert not fit(good, few + 0.01, near)
+    assert not fit(good, few, near + 0.01)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.25, 0.5, 0.75])
+def test_the_drift_allowed_is_as_large_in_every_direction(turn: float) -> None:
+    drift = Pose(1.5 * math.cos(turn * math.pi), 1.5 * math.sin(turn * math.pi), 0.0)
+    hypothesis = found(faces(ROOM), beams_of(ROOM, drift=drift), travelled=5.0)
+    reach = P.base_shift + 5.0 * P.shift_per_metre
+    assert hypothesis.distance <= reach + 2.0 * P.search_step
+    assert not hypothesis.holds(P) or not hypothesis.sure(P)

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from agents.cogmap.exit_sight import reach_to_exits, seen_through_exit
 from agents.cogmap.exits import (
     NOWHERE,
     Book,
@@ -19,7 +20,6 @@ from agents.cogmap.exits import (
     remember_exits,
     rename_place,
     replace_exit,
-    seen_through_exit,
 )
 from agents.cogmap.params import Exits
 from cogmap_gym.geometry import Points, Pose, Segments
@@ -144,6 +144,8 @@ def test_points_behind_an_exit_or_in_it_are_seen_through_it() -> None:
     assert seen.tolist() == [True, True, False, False, False]
     assert seen_through_exit((), robot, points, 0.1).tolist() == [False] * 5
     assert seen_through_exit(book(), robot, points[:0], 0.1).shape == (0,)
+    false = (replace(book()[0], false=True),)
+    assert not seen_through_exit(false, robot, points, 0.1).any(), "it parts nothing"
 
 
 @given(moved=ANYWHERE, seed=st.integers(0, 99))
@@ -177,3 +179,37 @@ def test_the_sides_of_an_exit_name_its_places() -> None:
     assert (door.beyond(4), door.beyond(5)) == (5, 4)
     assert math.isclose(float(np.hypot(*door.normal)), 1.0)
     assert not replace(door, right=4).trusted(P), "an exit from a place to itself leads nowhere"
+
+
+def test_an_exit_remembers_when_it_was_last_seen_open() -> None:
+    once = remember_exits((), DOOR, 1, Pose(-2.0, 0.5, 0.0), 4, P)
+    again = remember_exits(once, DOOR, 1, Pose(-2.0, 0.5, 0.0), 9, P)
+    assert [once[0].seen, again[0].seen] == [4, 9]
+    assert remember_exits(again, NONE, 1, Pose(-2.0, 0.5, 0.0), 12, P)[0].seen == 9
+
+
+def test_an_exit_that_parts_nothing_does_not_count_however_often_it_was_seen() -> None:
+    false = replace(book(sightings=9)[0], false=True)
+    assert not false.trusted(P)
+    assert crossing(path((-2, 0.5), (1, 0.5)), (false,)) is None
+
+
+def test_one_sees_as_far_as_to_the_first_exit() -> None:
+    two = book(segments((0, 0, 0, 1), (1, 0, 1, 1)))
+    eye, ends = np.array((-2.0, 0.5)), path((3, 0.5), (-1, 0.5), (-2, 5), (-5, 0.5))
+    reach = reach_to_exits(two, eye, ends, P)
+    assert reach[0] == pytest.approx(2.0)
+    assert (reach[1:] >= np.hypot(*(ends[1:] - eye).T)).all()
+    assert reach_to_exits(two[::-1], eye, ends, P) == pytest.approx(reach)
+    assert np.isinf(reach_to_exits((), eye, ends, P)).all()
+    assert reach_to_exits(two, eye, ends[:0], P).shape == (0,)
+    false = tuple(replace(e, false=True) for e in two)
+    assert np.isinf(reach_to_exits(false, eye, ends, P)).all()
+
+
+@given(moved=ANYWHERE, seed=st.integers(0, 99))
+def test_how_far_one_sees_does_not_depend_on_where_the_origin_is(moved: Pose, seed: int) -> None:
+    ends, eye = np.random.default_rng(seed).uniform(-3, 3, (20, 2)), np.array((-2.0, 0.7))
+    here = reach_to_exits(book(), eye, ends, P)
+    there = reach_to_exits(book(moved.apply(DOOR)), moved.apply(eye), moved.apply(ends), P)
+    assert there == pytest.approx(here)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from agents.cogmap.asr import ASR
 from agents.cogmap.exits import NOWHERE, Book, Exit
-from agents.cogmap.places import Network, exits_of, links, route
+from agents.cogmap.places import Network, exits_of, linked, links, route
 from cogmap_gym.geometry import Points
 
 NO_IDS: frozenset[int] = frozenset()
@@ -113,6 +113,15 @@ def test_a_route_starts_here_ends_there_and_is_no_longer_than_any_other(seed: in
     ]
     assert found.length == pytest.approx(length(found.exits))
     assert found.length <= min(map(length, others)) + 1e-9
+
+
+def test_linked_are_the_places_on_this_side_of_what_is_hidden() -> None:
+    assert linked(ring(), 1, NO_IDS) == {1, 2, 3, 4, 5, 6}
+    assert linked(ring(), 1, frozenset({1, 3})) == {1, 4, 5, 6}
+    assert linked(ring()[::-1], 2, frozenset({1, 3})) == {2, 3}
+    assert linked(ring(), 9, NO_IDS) == {9}
+    assert linked((), 1, NO_IDS) == {1}
+    assert linked((door(1, (0, 0), 1, 2, crossed=-1),), 1, NO_IDS) == {1}
 
 
 def test_links_are_the_crossed_exits_with_a_place_on_both_sides() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import subprocess
 import sys
 from pathlib import Path
@@ -12,7 +13,8 @@ import pytest
 
 import cogmap_gym  # noqa: F401 - registers the environments
 from agents.cogmap.agent import CogMapAgent
-from agents.cogmap.storage import read_memory
+from agents.cogmap.memory import NEWBORN, Leads
+from agents.cogmap.storage import read_memory, write_memory
 
 ONWARD = """
 import sys
@@ -72,3 +74,19 @@ def test_a_file_of_other_arrays_is_refused(tmp_path: Path) -> None:
     np.savez(path, x=np.zeros(3))
     with pytest.raises(ValueError, match=r"other\.npz"):
         read_memory(path)
+
+
+def test_what_places_still_hide_is_kept(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    leads = Leads(
+        *rng.normal(size=(2, 3, 2, 2)), *rng.normal(size=(2, 4, 2)), rng.integers(9, size=5)
+    )
+    memory = dataclasses.replace(NEWBORN, leads=((2, leads), (5, Leads())))
+    write_memory(tmp_path / "memory.npz", memory)
+    back = read_memory(tmp_path / "memory.npz")
+    assert [place for place, _ in back.leads] == [2, 5]
+    for place in (2, 5):
+        for f in dataclasses.fields(Leads):
+            kept, had = (getattr(m.leads_of(place), f.name) for m in (back, memory))
+            assert kept.dtype == had.dtype
+            assert np.array_equal(kept, had)

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.cogmap.exits import Book, seen_through_exit
+from agents.cogmap.exit_sight import seen_through_exit
+from agents.cogmap.exits import Book
 from agents.cogmap.free_space import Cells, cells_of, free_cells
 from agents.cogmap.memory import Leads
 from agents.cogmap.params import Curiosity, Params
@@ -103,10 +104,7 @@ def follow_walls(
 
 def lead_points(leads: Leads, params: Params) -> Points:
     """Where to go to see more of a place, (K, 2) in the MFIS."""
-    dim, p = leads.dim, params.curiosity
-    d = dim[:, 1] - dim[:, 0]
-    left = np.stack((-d[:, 1], d[:, 0]), axis=-1) / np.hypot(d[:, 0], d[:, 1])[:, None]
-    points = np.concatenate((midpoints(leads.gaps), dim.mean(axis=1) + p.stand * left))
+    points = np.concatenate((midpoints(leads.gaps), before_walls(leads.dim, params.curiosity)))
     return points[~_near(points, leads.done, params.exploration.same_target)]
 
 
@@ -123,6 +121,13 @@ def _nearly(pieces: Segments, kept: int, apart: float) -> Bools:
     out = np.ones(len(pieces), dtype=np.bool_)
     out[kept:] = ~_near(middle[kept:], middle[:kept], apart)
     return out
+
+
+def before_walls(pieces: Segments, params: Curiosity) -> Points:
+    """Where to stand to look at pieces of wall (P, 2, 2), free space on the left, (P, 2)."""
+    d = pieces[:, 1] - pieces[:, 0]
+    left = np.stack((-d[:, 1], d[:, 0]), axis=-1) / np.hypot(d[:, 0], d[:, 1])[:, None]
+    return np.asarray(pieces.mean(axis=1) + params.stand * left)
 
 
 def wall_pieces(surfaces: Segments, params: Curiosity) -> Segments:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from agents.cogmap.params import Exits
-from cogmap_gym.geometry import NO_SEGMENTS, Points, Pose, Segments, cross, segments_cross
+from cogmap_gym.geometry import NO_SEGMENTS, Points, Pose, Segments, cross
 
 NOWHERE = 0
 """The id of no ASR."""
@@ -131,7 +130,7 @@ def match_exit(book: Book, line: Segments, params: Exits) -> Exit | None:
     return best
 
 
-def _lines(book: Book) -> Segments:
+def exit_lines(book: Book) -> Segments:
     """The lines of the exits, (E, 2, 2)."""
     return np.array([e.line for e in book]) if book else NO_SEGMENTS
 
@@ -141,7 +140,7 @@ def _about(book: Book, points: Points, reach: float) -> list[Exit]:
 
     However many exits are known, only these are looked at closely.
     """
-    lines = _lines(book)
+    lines = exit_lines(book)
     a, b = lines[:, 0], lines[:, 1]
     low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
     near = (np.maximum(a, b) >= low).all(axis=1) & (np.minimum(a, b) <= high).all(axis=1)
@@ -215,50 +214,6 @@ def _meetings(path: Points, known: Exit, slack: float) -> Points:
     t = side[rows] / (side[rows] - side[rows + 1])
     at = along[rows] + t * (along[rows + 1] - along[rows])
     return np.asarray((rows + t)[(at > -slack) & (at < width + slack)])
-
-
-def seen_through_exit(
-    book: Book, robot: Points, points: Points, beside: float
-) -> NDArray[np.bool_]:
-    """Which points (P, 2) lie behind, or in, an exit as seen from the robot (2,), (P,).
-
-    Args:
-        book: all exits.
-        robot: (2,) in the MFIS.
-        points: (P, 2) in the MFIS.
-        beside: an exit covers this much more than itself at both ends [m].
-    """
-    lines = _lines(tuple(e for e in book if e.sightings > 0 and e.left != e.right))
-    d = lines[:, 1] - lines[:, 0]
-    width = np.hypot(d[:, 0], d[:, 1])
-    wide = d / width[:, None] * beside
-    covers = np.stack((lines[:, 0] - wide, lines[:, 1] + wide), axis=1)
-    sights = np.stack((np.broadcast_to(robot, points.shape), points), axis=1)
-    gap = points[:, None] - lines.mean(axis=1)
-    inside = np.hypot(gap[..., 0], gap[..., 1]) < 0.5 * width + beside
-    return np.asarray((segments_cross(sights, covers) | inside).any(axis=1))
-
-
-def reach_to_exits(book: Book, eye: Points, ends: Points, params: Exits) -> NDArray[np.float64]:
-    """How far one sees towards each of some points (P, 2) before an exit begins [m], (P,).
-
-    Args:
-        book: all exits.
-        eye: (2,) in the MFIS.
-        ends: (P, 2) in the MFIS.
-        params: an exit covers ``slack`` more than itself at both ends.
-    """
-    lines = _lines(tuple(e for e in book if e.sightings > 0 and e.left != e.right and not e.false))
-    along = lines[:, 1] - lines[:, 0]
-    share = params.slack / np.hypot(along[:, 0], along[:, 1])
-    rays = (ends - eye)[:, None]
-    from_eye = lines[:, 0] - eye
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = cross(from_eye, along) / cross(rays, along)
-        u = cross(from_eye, rays) / cross(rays, along)
-    meets = (t > 0.0) & (u > -share) & (u < 1.0 + share)
-    size = np.hypot(*(ends - eye).T)
-    return np.asarray(np.where(meets, t, np.inf).min(axis=1, initial=np.inf) * size)
 
 
 def _through_another(book: Book, robot: Points, middle: Points, params: Exits) -> bool:

@@ -13,7 +13,7 @@ import shapely
 
 from agents.cogmap.exits import Exit, rename_place, replace_exit
 from agents.cogmap.free_space import Cells, cells_of
-from agents.cogmap.memory import Mark, Memory
+from agents.cogmap.memory import Leads, Mark, Memory
 from agents.cogmap.navigator import plan_path, sample_surfaces
 from agents.cogmap.params import Params
 from cogmap_gym.geometry import Points, lengths
@@ -47,30 +47,32 @@ def rejoin(memory: Memory, params: Params) -> Memory:
     if parts(memory, entry, seen, params):
         return memory
     book = replace_exit(memory.book, replace(entry, false=True))
-    leads = replace(
-        left,
-        gaps=np.concatenate((left.gaps, stay.leads.gaps)),
-        dim=np.concatenate((left.dim, stay.leads.dim)),
-        lit=np.concatenate((left.lit, stay.leads.lit)),
-        done=np.concatenate((left.done, stay.leads.done)),
-        seen=seen,
+    returned = memory.with_stay(
+        place=back,
+        known=True,
+        settled=True,
+        entry=0,
+        came_from=0,
+        leads=replace(_together(left, stay.leads), seen=seen),
+        looked=True,
     )
     return replace(
-        memory,
+        returned,
         book=rename_place(book, stay.place, back),
         marks=tuple(_renamed(m, stay.place, back) for m in memory.marks),
-        stay=replace(
-            stay,
-            place=back,
-            known=True,
-            settled=True,
-            entry=0,
-            came_from=0,
-            leads=leads,
-            looked=True,
-        ),
         intent=None,
         status=f"still in {back}",
+    )
+
+
+def _together(one: Leads, other: Leads) -> Leads:
+    """The leads of two parts of one place; what was seen to be free is that of the first."""
+    return replace(
+        one,
+        gaps=np.concatenate((one.gaps, other.gaps)),
+        dim=np.concatenate((one.dim, other.dim)),
+        lit=np.concatenate((one.lit, other.lit)),
+        done=np.concatenate((one.done, other.done)),
     )
 
 

@@ -83,33 +83,41 @@ def leave(memory: Memory, crossed: Exit, params: Params) -> Memory:
     if not known:
         network = replace(network, last_id=network.last_id + 1)
         ahead = network.last_id
-    started_left = float((stay.path[0] - crossed.middle) @ crossed.normal) > 0.0
-    on_left = _came_from_left(memory, crossed, started_left)
-    left, right = (stay.place, ahead) if on_left else (ahead, stay.place)
-    step = memory.mapping.step
-    entered = replace(crossed, left=left, right=right, crossed=step, failures=0, given_up=-1)
+    book = replace_exit(memory.book, _entered(memory, crossed, ahead))
     departures = tuple(d for d in memory.departures if d[0] != stay.place)
     own = stay.place, _left_open(memory, params)
     return replace(
         memory,
         leads=(*(x for x in memory.leads if x[0] != stay.place), own),
         network=network,
-        book=_beyond_it(try_again(replace_exit(memory.book, entered), ahead), memory, ahead),
-        stay=Stay(
-            ahead,
-            known,
-            crossed.id,
-            stay.place,
-            step,
-            memory.path[-1:, :2],
-            looked=known,
-            leads=memory.leads_of(ahead),
-        ),
+        book=_beyond_it(try_again(book, ahead), memory, ahead),
+        stay=_begun(memory, crossed, ahead, known=known),
         departures=(*departures, (stay.place, memory.travelled)),
         intent=None,
         journey=_astray(memory, crossed),
         route=_shortened(memory.route, crossed.id),
     )
+
+
+def _begun(memory: Memory, crossed: Exit, ahead: int, *, known: bool) -> Stay:
+    """The stay that begins in place ``ahead`` as an exit is crossed."""
+    return Stay(
+        ahead,
+        known,
+        crossed.id,
+        memory.stay.place,
+        memory.mapping.step,
+        memory.path[-1:, :2],
+        looked=known,
+        leads=memory.leads_of(ahead),
+    )
+
+
+def _entered(memory: Memory, crossed: Exit, ahead: int) -> Exit:
+    """The exit as it is now known, with place ``ahead`` beyond it."""
+    place, step = memory.stay.place, memory.mapping.step
+    left, right = (place, ahead) if _came_from_left(memory, crossed) else (ahead, place)
+    return replace(crossed, left=left, right=right, crossed=step, failures=0, given_up=-1)
 
 
 def _beyond_it(book: Book, memory: Memory, ahead: int) -> Book:
@@ -166,10 +174,11 @@ def _left_open(memory: Memory, params: Params) -> Leads:
     return replace(leads, gaps=gaps, dim=own(leads.dim), done=done)
 
 
-def _came_from_left(memory: Memory, crossed: Exit, started_left: bool) -> bool:
+def _came_from_left(memory: Memory, crossed: Exit) -> bool:
     """Whether the robot came from the left of the exit: it now stands on the right."""
     now = float((memory.pose.position - crossed.middle) @ crossed.normal)
-    return now < 0.0 if now != 0.0 else started_left
+    start = float((memory.stay.path[0] - crossed.middle) @ crossed.normal)
+    return now < 0.0 if now != 0.0 else start > 0.0
 
 
 def _shortened(route: tuple[int, ...] | None, crossed: int) -> tuple[int, ...] | None:

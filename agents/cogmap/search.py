@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from agents.cogmap.curiosity import wall_pieces
+from agents.cogmap.choices import doubtful_exits
+from agents.cogmap.curiosity import before_walls, wall_pieces
 from agents.cogmap.driving import Action, drive_before, drive_to, turn
 from agents.cogmap.exits import Exit, give_up_exit
 from agents.cogmap.exploration import explore
 from agents.cogmap.memory import CHECK, EXIT, GAP, LOOK, Intent, Mark, Memory
 from agents.cogmap.params import Params
-from agents.cogmap.places import Route, exits_of, linked
+from agents.cogmap.places import Route, linked
 from agents.cogmap.view import View
 from cogmap_gym.geometry import NO_SEGMENTS, Points, Segments, midpoints
 from cogmap_gym.observation import RobotSpec
@@ -53,7 +54,7 @@ def search_place(
         return (searched(memory), None) if onward else (memory, step)
     if not stay.looked:
         return look_round(memory, robot, params)
-    doubtful = _doubtful(memory, params)
+    doubtful = next(iter(doubtful_exits(memory, params)), None)
     if doubtful is not None:
         return _check(memory, doubtful, robot, params)
     while len(memory.stay.search):
@@ -139,20 +140,6 @@ def look_round(memory: Memory, robot: RobotSpec, params: Params) -> tuple[Memory
     return memory.with_stay(turned=0.0 if done else turned, looked=done), turn(step, robot)
 
 
-def _doubtful(memory: Memory, params: Params) -> Exit | None:
-    """An exit seen too seldom to count, not yet given up."""
-    return next(
-        (
-            e
-            for e in exits_of(memory.book, memory.stay.place)
-            if not e.trusted(params.exits)
-            and not e.false
-            and e.failures < params.exploration.max_failures
-        ),
-        None,
-    )
-
-
 def _check(
     memory: Memory, doubtful: Exit, robot: RobotSpec, params: Params
 ) -> tuple[Memory, Action]:
@@ -171,10 +158,7 @@ def _check(
 
 def _nearest(memory: Memory, params: Params) -> Points:
     """The nearest spot (2,) in the MFIS from which a wall not yet searched is seen."""
-    pieces = memory.stay.search
-    d = pieces[:, 1] - pieces[:, 0]
-    left = np.stack((-d[:, 1], d[:, 0]), axis=-1) / np.hypot(d[:, 0], d[:, 1])[:, None]
-    spots = pieces.mean(axis=1) + params.curiosity.stand * left
+    spots = before_walls(memory.stay.search, params.curiosity)
     gaps = np.hypot(*(spots - memory.pose.position).T)
     return np.asarray(spots[int(gaps.argmin())])
 
