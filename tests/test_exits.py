@@ -118,8 +118,13 @@ def test_this_path_crosses_no_exit(way: Points) -> None:
     assert crossing(way.reshape(-1, 2)) is None
 
 
-def test_an_exit_seen_only_once_is_not_crossed() -> None:
-    assert crossing(path((-2, 0.5), (1, 0.5)), book(sightings=1)) is None
+def test_an_exit_seen_only_once_is_crossed_between_its_ends_alone() -> None:
+    once = book(sightings=1)
+    assert crossing(path((-2, 0.5), (1, 0.5)), once) == 1
+    beside = path((-2, 1.1), (1, 1.1))
+    assert crossing(beside, once) is None
+    assert crossing(beside, book()) == 1
+    assert crossing(path((-2, 0.5), (1, 0.5)), (replace(once[0], false=True),)) is None
 
 
 def test_of_two_exits_crossed_in_one_move_the_last_counts() -> None:

@@ -26,10 +26,14 @@ WALL = segments((0, -3, 0, -1.5), (0, -0.5, 0, 2))
 WIDE_APART = np.array([[0.0, -1.5], [0.0, -0.5]])
 
 
-def seen_in_hall() -> Cells:
-    c = P.curiosity.cell
+def seen_in_hall(moved: Pose = Pose()) -> Cells:  # noqa: B008 - a Pose is frozen
+    """All cells of the hall but those of the table, the hall being moved."""
+    c = P.curiosity.cell / 2.0
     x, y = np.meshgrid(np.arange(-4, 4, c), np.arange(-3, 3, c))
-    return np.unique(cells_of(np.stack((x, y), axis=-1) + 0.5 * c, P.curiosity))
+    spots = np.stack((x, y), axis=-1).reshape(-1, 2) + 0.5 * c
+    low, high = TABLE.min(axis=(0, 1)), TABLE.max(axis=(0, 1))
+    in_table = ((spots > low) & (spots < high)).all(axis=1)
+    return np.unique(cells_of(moved.apply(spots[~in_table]), P.curiosity))
 
 
 def standing(things: Segments, *lines: Segments, seen: Cells | None = None) -> Memory:
@@ -82,9 +86,7 @@ def test_no_way_round_leads_through_what_stands_about() -> None:
 @pytest.mark.parametrize("turns", range(1, 4))
 def test_a_quarter_turn_of_the_scene_changes_no_verdict(turns: int) -> None:
     moved = Pose(1.0, 2.0, turns * np.pi / 2)
-    c = P.curiosity.cell
-    x, y = np.meshgrid(np.arange(-4, 4, c / 2), np.arange(-3, 3, c / 2))
-    seen = np.unique(cells_of(moved.apply(np.stack((x, y), -1) + 0.25 * c), P.curiosity))
+    seen = seen_in_hall(moved)
     for things, real in ((TABLE, False), (WALL, True)):
         here = standing(things, moved.apply(GAP), seen=seen)
         there = replace(here, obstacles=moved.apply(here.obstacles))

@@ -27,7 +27,7 @@ def door(number: int, at: tuple[float, float], left: int, right: int, crossed: i
 
 def bound(book: Book, blocked: set[int], failed: set[int] | None = None) -> Memory:
     """In place 1 at the origin, bound for the mark in place 2, some exits found shut."""
-    journey = Journey(7, frozenset(blocked), frozenset(failed or ()))
+    journey = Journey(7, frozenset(blocked), frozenset(failed or ()), looking=False)
     stay = replace(NEWBORN.stay, known=True)
     return replace(NEWBORN, book=book, marks=(MARK,), journey=journey, stay=stay)
 
@@ -63,6 +63,13 @@ def test_at_the_goal_the_journey_is_declared() -> None:
     memory, action = travel(here, mark, EMPTY_VIEW, ROBOT, P)
     assert np.array_equal(action, ROBOT.declare())
     assert memory.status == "at mark 7"
+
+
+def test_a_journey_begins_with_a_look_round() -> None:
+    memory = replace(bound((door(1, (5, 0), 1, 2),), set()), journey=None)
+    memory, declared = stepped(memory)
+    assert not declared
+    assert memory.status == "looking round"
 
 
 def test_an_exit_never_crossed_is_tried_before_giving_in() -> None:

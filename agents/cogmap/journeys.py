@@ -40,7 +40,8 @@ def travel(
     memory = _on_the_way(memory, mark, params)
     mark = replace(mark, place=place_of(memory, mark))
     assert memory.journey is not None, "a journey has begun"
-    if memory.journey.looking and not memory.stay.looked:
+    elsewhere = memory.stay.place != mark.place
+    if memory.journey.looking and elsewhere and not memory.stay.looked:
         return look_round(replace(memory, status="looking round"), robot, params)
     memory = replace(memory, journey=replace(memory.journey, looking=False))
     known = _known_way(memory, mark)
