@@ -358,8 +358,8 @@ class Curiosity:
     """And at these shares of its width [1]. Ours: nine spots in all."""
     hidden_share: float = 0.5
     """A gap is explored once a smaller share of that is unseen [1]. Ours: nooks cost moves."""
-    max_spacing: float = 0.25
-    """Walls seen by beams farther apart may hide a doorway [m]. Ours: three beams in 0.8 m."""
+    max_spacing: float = 0.07
+    """Walls seen by beams farther apart may hide a doorway [m]. Ours: 8 m off, doors are missed."""
     piece: float = 0.75
     """Walls are judged by pieces of this length [m]. Ours: about a door."""
     beside_exit: float = 0.3
@@ -389,7 +389,7 @@ class Journeys:
     much_shorter: float = 0.6
     """A new exit is taken at once if it promises a way as short against the known one [1]. Ours:
     it may lead nowhere."""
-    search_worth: float = 0.25
+    search_worth: float = 0.5
     """Share of what a straight way would save that is spent on looking [1]. Ours: a detour."""
     shared_wall: float = 0.9
     """A wall so near to a place bounds it too [m]. Ours: a wall's thickness and drift."""

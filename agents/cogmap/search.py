@@ -45,7 +45,7 @@ def search_place(
     memory = memory.with_stay(searching=memory.stay.searching + 1)
     stay = memory.stay
     checking = memory.intent is not None and memory.intent.kind == CHECK
-    over = stay.looked and not checking and memory.travelled > stay.search_end
+    over = stay.looked and stay.known and not checking and memory.travelled > stay.search_end
     if over or stay.searching > params.curiosity.search_steps:
         return searched(memory), None
     if not stay.known:
