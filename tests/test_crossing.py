@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from agents.cogmap.crossing import find_crossing, look_from_path, seen_after_crossing
+from agents.cogmap.crossing import find_crossing, look_from, looks, seen_after_crossing
 from agents.cogmap.params import Boundary
 from cogmap_gym.geometry import NO_SEGMENTS, Pose, lengths
 
@@ -67,24 +67,29 @@ def test_a_surface_behind_another_exit_is_not_seen_from_the_path() -> None:
     wall = np.array([[[3.0, 2.0], [2.4, 2.0]], [[1.5, 2.0], [-3.0, 2.0]], [[2.2, 5.0], [1.6, 5.0]]])
     exits = np.array([[[1.5, 2.0], [2.4, 2.0]]])
     crossing = find_crossing(PATH, DOOR, SLACK)
-    through = look_from_path(wall, crossing, NO_SEGMENTS, Boundary())
-    shut = look_from_path(wall, crossing, exits, Boundary())
+    eyes = looks(crossing.path, None, Boundary())
+    through = look_from(eyes, wall, crossing.exit, NO_SEGMENTS, Boundary())
+    shut = look_from(eyes, wall, crossing.exit, exits, Boundary())
     assert set(shut.rows) == {0, 1, 3}  # row 3 is the exit itself
     assert set(through.rows) == {0, 1}  # a gap as wide as an exit is not seen through either
     wide = wall.copy()
     wide[0] += (0.8, 0.0)
-    assert 2 in set(look_from_path(wide, crossing, NO_SEGMENTS, Boundary()).rows)
+    assert 2 in set(look_from(eyes, wide, crossing.exit, NO_SEGMENTS, Boundary()).rows)
 
 
 def test_the_weights_of_a_surface_wholly_seen_add_up_to_its_length() -> None:
     wall = np.array([[[3.5, 2.0], [-3.0, 2.0]]])
-    sight = look_from_path(wall, find_crossing(PATH, DOOR, SLACK), NO_SEGMENTS, Boundary())
+    crossing = find_crossing(PATH, DOOR, SLACK)
+    eyes = looks(crossing.path, None, Boundary())
+    sight = look_from(eyes, wall, crossing.exit, NO_SEGMENTS, Boundary())
     np.testing.assert_allclose(sight.weights.sum(), 6.5)
 
 
 def test_a_surface_shows_only_its_left_side() -> None:
     wall = np.array([[[-3.0, 2.0], [3.5, 2.0]]])
-    sight = look_from_path(wall, find_crossing(PATH, DOOR, SLACK), NO_SEGMENTS, Boundary())
+    crossing = find_crossing(PATH, DOOR, SLACK)
+    eyes = looks(crossing.path, None, Boundary())
+    sight = look_from(eyes, wall, crossing.exit, NO_SEGMENTS, Boundary())
     assert len(sight.rows) == 0
 
 

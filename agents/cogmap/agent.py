@@ -52,7 +52,8 @@ class CogMapAgent:
         crossed = notice_crossing(memory, self.params)
         if crossed is not None:
             memory = recognise_place(memory, self.params, last_chance=True)
-            memory = leave(memory, memory.exit(crossed.id), self.params)  # 6, 7, 8
+            crossed = notice_crossing(memory, self.params) or memory.exit(crossed.id)
+            memory = leave(memory, crossed, self.params)  # 6, 7, 8
         memory = survey(memory, view, seen, self.laser, self.params)
         memory = recognise_place(memory, self.params)  # closing the loop by association
         memory = _remember_mark(memory, int(observation["mark"]))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from agents.cogmap.boundary import bound, candidates, touches
-from agents.cogmap.crossing import find_crossing, look_from_path, seen_after_crossing
+from agents.cogmap.crossing import find_crossing, look_from, looks, seen_after_crossing
 from agents.cogmap.params import Boundary
 from cogmap_gym.geometry import Points, Segments
 
@@ -28,6 +28,8 @@ class ASR:
     """(C, 2): corner points of small surfaces (Algorithm 8 step 1)."""
     large: Segments
     """(L, 2, 2): large surfaces, shortened where they meet (Algorithm 8 step 3)."""
+    looks: Points = field(default_factory=lambda: np.zeros((0, 2)))
+    """(E, 2): where it was looked from so far."""
 
     @property
     def closed(self) -> bool:
@@ -43,6 +45,7 @@ def compute_asr(
     other_exits: Segments,
     path: Points,
     params: Boundary,
+    earlier: Points | None = None,
 ) -> ASR:
     """Algorithm 6: compute the ASR just left.
 
@@ -60,6 +63,7 @@ def compute_asr(
         other_exits: (K, 2, 2), other exits known, the entry among them.
         path: (P, 2), from the entry or home to the position after the crossing.
         params: the Boundary group.
+        earlier: (E, 2), in MFIS, where the space was looked from in earlier stays, or None.
 
     Returns:
         The ASR, closed or not.
@@ -68,12 +72,13 @@ def compute_asr(
     crossing = find_crossing(path, exit_crossed, params.exit_slack)
     # Step 3b
     own = ~seen_after_crossing(surfaces, crossing, params)
-    sight = look_from_path(surfaces[own], crossing, other_exits, params)
+    eyes = looks(crossing.path, earlier, params)
+    sight = look_from(eyes, surfaces[own], crossing.exit, other_exits, params)
     if params.confirm_before:
         # Departs from step 3b: a surface must also be seen from the path before the
         # crossing, and not through an exit.
         own[own] = np.isin(np.arange(np.count_nonzero(own)), sight.rows)
-        sight = look_from_path(surfaces[own], crossing, other_exits, params)
+        sight = look_from(eyes, surfaces[own], crossing.exit, other_exits, params)
     # Step 4
     options = candidates(surfaces[own], params)
     # Step 5
@@ -87,4 +92,4 @@ def compute_asr(
         inside[used] = True
         kept = rows[inside]
     # Step 6
-    return ASR(asr_id, polygon, ids[kept], ids[rows[used]], options.corners, options.large)
+    return ASR(asr_id, polygon, ids[kept], ids[rows[used]], options.corners, options.large, eyes)

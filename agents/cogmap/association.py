@@ -89,7 +89,7 @@ def best_hypothesis(
         at = _refine(ends, pivot - low, field, peak, params)
         shift = Pose(at[0] + pivot[0], at[1] + pivot[1], at[2]) @ Pose(-pivot[0], -pivot[1], 0.0)
         moved = beams.moved(shift)
-        matched, through, count = _evidence(moved.origins, moved.ends, surfaces, params.beam_match)
+        matched, through, count = evidence(moved.origins, moved.ends, surfaces, params.beam_match)
         tried = Hypothesis(
             place,
             shift,
@@ -198,7 +198,7 @@ def _scores(
 
 
 @njit(cache=True)
-def _evidence(
+def evidence(
     origins: Points, ends: Points, surfaces: Segments, reach: float
 ) -> tuple[int, int, int]:
     """Beams that end on a surface, that go through one, and all, as counts.

@@ -148,21 +148,21 @@ class Sight:
     """(R,): metres of surface or exit that hang on this line alone."""
 
 
-def look_from_path(
-    surfaces: Segments, crossing: Crossing, other_exits: Segments, params: Boundary
+def look_from(
+    eyes: Points, surfaces: Segments, exit_crossed: Points, other_exits: Segments, params: Boundary
 ) -> Sight:
-    """Find what could be seen from the path before the crossing, through no exit.
+    """Find what could be seen of a space from within it, through no exit.
 
     Args:
+        eyes: (E, 2), where it was looked from.
         surfaces: (N, 2, 2); only their left sides can be seen.
-        crossing: its path is looked from.
+        exit_crossed: (2, 2), the exit by which the robot left.
         other_exits: (K, 2, 2), without the one crossed.
         params: the Boundary group.
 
     Returns:
         The free lines of sight; three samples a surface or exit.
     """
-    eyes = _spread(crossing.path, params)
     n, k = len(surfaces), len(SURFACE_SAMPLES)
     lines = np.concatenate((surfaces, other_exits))
     along = lines[:, 1] - lines[:, 0]
@@ -173,7 +173,7 @@ def look_from_path(
     rays = shorten(np.stack(ends, axis=1).reshape(-1, 2, 2), params.margin)
     facing = (cross(along[rows], rays[:, 0] - lines[rows, 0]) > 0.0) | (rows >= n)
     shut = _shut_gaps(surfaces, params)
-    walls = np.concatenate((lines, crossing.exit[None], shut, _flanks(other_exits, params)))
+    walls = np.concatenate((lines, exit_crossed[None], shut, _flanks(other_exits, params)))
     free = facing & ~blocked(rays, walls, rows)
     count = np.bincount(sample[free], minlength=len(targets))
     worth = lengths(lines) / k
@@ -204,14 +204,27 @@ def _flanks(exits: Segments, params: Boundary) -> Segments:
     return np.concatenate((before, np.stack((exits[:, 1], exits[:, 1] + flank), axis=1)))
 
 
-def _spread(path: Segments, params: Boundary) -> Points:
-    """Path points at least ``look_spacing`` apart, at most ``max_looks`` of them."""
-    if len(path) == 0:
-        return np.zeros((0, 2))
+def looks(path: Segments, earlier: Points | None, params: Boundary) -> Points:
+    """Spots at least ``look_spacing`` apart to look at a space from, (E, 2).
+
+    Args:
+        path: (M, 2, 2), pieces of the path inside the space; at most ``max_looks`` of its spots.
+        earlier: (L, 2), spots of earlier stays, or None; as many of those not near the path.
+        params: the Boundary group.
+    """
     points = np.concatenate((path[:1, 0], path[:, 1]))
-    kept = [points[0]]
-    for point in points[1:]:
-        if np.hypot(*(point - kept[-1])) >= params.look_spacing:
+    spots = _thinned(points, np.zeros((0, 2)), params)
+    if earlier is None or not params.look_earlier:
+        return spots
+    return np.concatenate((spots, _thinned(earlier, spots, params)))
+
+
+def _thinned(points: Points, others: Points, params: Boundary) -> Points:
+    """Points ``look_spacing`` apart from each other and from some others, (E, 2)."""
+    kept: list[Points] = []
+    for point in points:
+        last = kept[-1:] if not len(others) else [*kept, *others]
+        if all(np.hypot(*(point - q)) >= params.look_spacing for q in last):
             kept.append(point)
     pick = np.linspace(0, len(kept) - 1, min(len(kept), params.max_looks)).round()
-    return np.array(kept)[pick.astype(np.int64)]
+    return np.array(kept).reshape(-1, 2)[pick.astype(np.int64)]

@@ -53,7 +53,7 @@ def rejoin(memory: Memory, params: Params) -> Memory:
         settled=True,
         entry=0,
         came_from=0,
-        leads=replace(_together(left, stay.leads), seen=seen),
+        leads=replace(together(left, stay.leads), seen=seen),
         looked=True,
     )
     return replace(
@@ -65,7 +65,7 @@ def rejoin(memory: Memory, params: Params) -> Memory:
     )
 
 
-def _together(one: Leads, other: Leads) -> Leads:
+def together(one: Leads, other: Leads) -> Leads:
     """The leads of two parts of one place; what was seen to be free is that of the first."""
     return replace(
         one,

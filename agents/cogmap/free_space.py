@@ -26,6 +26,11 @@ def cells_of(points: Points, params: Curiosity) -> Cells:
     return np.asarray((index[..., 0] << HALF) + index[..., 1])
 
 
+def middles_of(cells: Cells, params: Curiosity) -> Points:
+    """The middles (C, 2) of cells in the MFIS."""
+    return np.asarray((_indexes(cells) + 0.5) * params.cell)
+
+
 def free_cells(view: View, pose: Pose, laser: LaserSpec, params: Curiosity) -> Cells:
     """The cells of the MFIS that the beams of a view go through.
 

@@ -301,6 +301,28 @@ class Association:
 
 
 @dataclass(frozen=True, slots=True)
+class Union:
+    """A new place that goes on into a known one (thesis 4.2.2)."""
+
+    depth: float = 0.5
+    """Space counts as a known place's so far inside its boundary [m]. Ours: drift and doors."""
+    min_area: float = 1.0
+    """Least area of it seen to be free from the new place [m2]. Ours: a doorway's sight is less."""
+    passage: float = 1.2
+    """They are one if a body so wide gets across [m]. Ours: no exit is wider (thesis 3.3)."""
+    off_door: float = 0.8
+    """It sets out so far from all exits [m]. Ours: clear of their jambs."""
+    seen_share: float = 0.95
+    """Share of its way that must have been seen to be free [1]. Ours: the unseen may be wall."""
+    min_beams: int = 30
+    """Beams that must end there [1]. Ours: 15 degrees of a view."""
+    min_agreeing: float = 0.7
+    """Least share of them that end on surfaces of the known place [1]. Ours: backs of things."""
+    max_through: float = 0.1
+    """Largest share of them that go through such surfaces [1]. Ours: as in ``Association``."""
+
+
+@dataclass(frozen=True, slots=True)
 class Exploration:
     """Algorithm 1 and looking round (thesis 3.3)."""
 
@@ -517,6 +539,8 @@ class Boundary:
     """Least distance between path points to look from [m]. Ours: half a move."""
     max_looks: int = 14
     """Most path points to look from [1]. Ours: bounds the run time."""
+    look_earlier: bool = True
+    """Look from the spots of earlier stays, too [1]. Ours: a part seen then is not cut off."""
     margin: float = 0.12
     """Slack of sight lines and of crossings at surface ends [m]. Ours: twice the map's noise."""
     exit_slack: float = 0.4
@@ -549,7 +573,13 @@ class Boundary:
     @classmethod
     def literal(cls) -> Boundary:
         """The text of thesis 3.5 as written."""
-        return cls(confirm_before=False, walk="nearest", keep_small=False, drop_outside=False)
+        return cls(
+            confirm_before=False,
+            walk="nearest",
+            keep_small=False,
+            drop_outside=False,
+            look_earlier=False,
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -564,6 +594,7 @@ class Params:
     passages: Passages = field(default_factory=Passages)
     exits: Exits = field(default_factory=Exits)
     association: Association = field(default_factory=Association)
+    union: Union = field(default_factory=Union)
     exploration: Exploration = field(default_factory=Exploration)
     curiosity: Curiosity = field(default_factory=Curiosity)
     journeys: Journeys = field(default_factory=Journeys)

@@ -206,6 +206,7 @@ def _compute(memory: Memory, crossed: Exit, params: Params) -> ASR:
     # What the robot drove through was a door then shut (thesis 4.2.2, surface 8).
     solid = ~segments_cross(mfis.surfaces[rows], driven).any(axis=1)
     rows = rows[solid]
+    before = memory.network.asr(stay.place)
     others = [
         e.line for e in exits_of(memory.book, stay.place)
         if e.id != crossed.id and e.trusted(params.exits)
@@ -218,4 +219,5 @@ def _compute(memory: Memory, crossed: Exit, params: Params) -> ASR:
         np.stack(others) if others else NO_SEGMENTS,
         stay.path,
         params.boundary,
+        None if before is None else before.looks,
     )

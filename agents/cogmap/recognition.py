@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from agents.cogmap.asr import ASR
 from agents.cogmap.association import Beams, Hypothesis, best_hypothesis
 from agents.cogmap.exits import NOWHERE, Book, Exit, match_exit, rename_place, replace_exit
-from agents.cogmap.false_exits import rejoin
+from agents.cogmap.false_exits import rejoin, together
 from agents.cogmap.landmarks import find_landmarks
-from agents.cogmap.memory import Mark, Memory
+from agents.cogmap.memory import Leads, Mark, Memory
 from agents.cogmap.mfis import FORGOTTEN, MFIS, UNTAGGED, tag
 from agents.cogmap.params import Association, Params
+from agents.cogmap.same_place import hangs_together
 from cogmap_gym.geometry import Pose, segments_cross
 
 
@@ -49,9 +50,25 @@ def recognise_place(memory: Memory, params: Params, last_chance: bool = False) -
     )
     if clear:
         return _accept(memory, tried[0], params)
+    whole = None if stay.known else _part_of(memory, beams, params)
+    if whole is not None:
+        return _accept(memory, Hypothesis(whole, Pose(), 1.0, 0.0, 0.0), params, partly=True)
     # A known place that cannot be confirmed is taken as it is believed to lie.
     late = stay.known and (last_chance or stay.views >= p.dense_views)
     return memory.with_stay(settled=True) if late else memory
+
+
+def _part_of(memory: Memory, beams: Beams, params: Params) -> int | None:
+    """The one known place that the present one turns out to be a part of, or None."""
+    entry, found = memory.exit(memory.stay.entry), []
+    for asr in memory.network.asrs:
+        if asr.id == memory.stay.came_from or not asr.closed:
+            continue
+        if _elsewhere(memory, entry, Hypothesis(asr.id, Pose(), 1.0, 0.0, 0.0)):
+            continue
+        if hangs_together(memory, asr, beams, params):
+            found.append(asr.id)
+    return found[0] if len(found) == 1 else None
 
 
 def _recognise_by_names(memory: Memory, params: Params) -> Memory:
@@ -128,14 +145,18 @@ def _possible(memory: Memory, hypothesis: Hypothesis, p: Association) -> bool:
     entry = memory.exit(memory.stay.entry)
     door = hypothesis.shift.apply(entry.middle)
     at_edge = shapely.distance(polygon.exterior, shapely.Point(door)) <= p.door_distance
+    fits = hypothesis.sure(p) or (inside >= p.min_inside and at_edge)
+    return bool(fits and not _elsewhere(memory, entry, hypothesis))
+
+
+def _elsewhere(memory: Memory, entry: Exit, hypothesis: Hypothesis) -> bool:
+    """Whether the exit crossed is one of the known place that is known to lead elsewhere."""
     twin = None if memory.stay.known else _twin(memory, entry, hypothesis)
-    elsewhere = (
+    return (
         twin is not None
         and twin.crossed >= 0
         and twin.beyond(hypothesis.place) not in (NOWHERE, memory.stay.came_from)
     )
-    fits = hypothesis.sure(p) or (inside >= p.min_inside and at_edge)
-    return bool(fits and not elsewhere)
 
 
 def _twin(memory: Memory, entry: Exit, hypothesis: Hypothesis) -> Exit | None:
@@ -152,17 +173,25 @@ def _twin(memory: Memory, entry: Exit, hypothesis: Hypothesis) -> Exit | None:
     return min(near, key=lambda e: float(np.hypot(*(e.middle - door))), default=None)
 
 
-def _accept(memory: Memory, hypothesis: Hypothesis, params: Params) -> Memory:
+def _accept(
+    memory: Memory, hypothesis: Hypothesis, params: Params, *, partly: bool = False
+) -> Memory:
     """Be in the known place: shift the robot, not the map, and forget what was seen twice.
 
     The MFIS may have a seam here: on the way round, its parts drifted apart, and no part is moved.
+
+    Args:
+        memory: before.
+        hypothesis: the place, and the shift.
+        params: all thresholds.
+        partly: whether what was seen since the crossing adds to the place.
     """
     stay, shift, place = memory.stay, hypothesis.shift, hypothesis.place
     entry = memory.exit(stay.entry)
     twin = None if stay.known else _twin(memory, entry, hypothesis)
     mapping = replace(
         memory.mapping,
-        mfis=_forget_and_part(memory, hypothesis, params),
+        mfis=_forget_and_part(memory, hypothesis, params, partly=partly),
         mfis_from_robot=shift @ memory.pose,
     )
     book = memory.book
@@ -187,12 +216,20 @@ def _accept(memory: Memory, hypothesis: Hypothesis, params: Params) -> Memory:
             entry=kept,
             path=shift.apply(stay.path),
             beams=tuple(b.moved(shift) for b in stay.beams),
-            looked=True,
-            leads=stay.leads if place == stay.place else memory.leads_of(place),
+            looked=stay.looked or not partly,
+            leads=_leads(memory, place, partly=partly),
         ),
         intent=None,
         status=f"recognised {place}",
     )
+
+
+def _leads(memory: Memory, place: int, *, partly: bool) -> Leads:
+    """What the place hides, as far as known."""
+    own, known = memory.stay.leads, memory.leads_of(place)
+    if place == memory.stay.place:
+        return own
+    return replace(together(known, own), seen=np.union1d(known.seen, own.seen)) if partly else known
 
 
 def _moved_marks(memory: Memory, hypothesis: Hypothesis) -> tuple[Mark, ...]:
@@ -210,19 +247,23 @@ def _drifted(hypothesis: Hypothesis, p: Association) -> bool:
     return hypothesis.distance > p.seam_shift or abs(hypothesis.shift.theta) > p.seam_turn
 
 
-def _forget_and_part(memory: Memory, hypothesis: Hypothesis, params: Params) -> MFIS:
+def _forget_and_part(
+    memory: Memory, hypothesis: Hypothesis, params: Params, *, partly: bool
+) -> MFIS:
     """Forget what was seen twice; at a seam, what waits untagged stays with the place just left."""
-    mfis = tag(memory.mapping.mfis, _ghosts(memory, hypothesis, params), FORGOTTEN)
+    mfis = tag(memory.mapping.mfis, _ghosts(memory, hypothesis, params, partly=partly), FORGOTTEN)
     if not _drifted(hypothesis, params.association):
         return mfis
     near = mfis.seen >= memory.stay.began - params.frame.recent
     return tag(mfis, np.flatnonzero(near & (mfis.asr == UNTAGGED)), memory.stay.came_from)
 
 
-def _ghosts(memory: Memory, hypothesis: Hypothesis, params: Params) -> NDArray[np.int64]:
+def _ghosts(
+    memory: Memory, hypothesis: Hypothesis, params: Params, *, partly: bool
+) -> NDArray[np.int64]:
     """Rows seen since the crossing, or untagged ones that the known place has already."""
     mfis = memory.mapping.mfis
-    since = (mfis.born >= memory.stay.began) & (mfis.asr == UNTAGGED)
+    since = (mfis.born >= memory.stay.began) & (mfis.asr == UNTAGGED) & (not partly)
     untagged = np.flatnonzero((mfis.asr == UNTAGGED) & ~since)
     known = mfis.surfaces[mfis.asr == hypothesis.place]
     laid = hypothesis.shift.apply(mfis.surfaces[untagged])

@@ -1,0 +1,96 @@
+"""A new place that hangs together with a known one by free space is that one (thesis 4.2.2).
+
+A corridor seen in part, and entered again at its other end, shows nothing of what was seen before
+at first. But exits bound a place: where the space seen free from a new place goes on into a known
+place, as wide as no exit is, the two are one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from agents.cogmap.asr import ASR
+from agents.cogmap.association import Beams, evidence
+from agents.cogmap.exits import Book, exit_lines
+from agents.cogmap.free_space import Cells, cells_of, middles_of
+from agents.cogmap.memory import Memory
+from agents.cogmap.navigator import plan_path, sample_surfaces
+from agents.cogmap.params import Params
+from cogmap_gym.geometry import Points
+from cogmap_gym.observation import RobotSpec
+
+
+def hangs_together(memory: Memory, asr: ASR, beams: Beams, params: Params) -> bool:
+    """Whether the present, unknown place is a part of a known one.
+
+    Args:
+        memory: in a place not known.
+        asr: of the known place.
+        beams: what was seen last in the present place.
+        params: all thresholds.
+    """
+    p = params.union
+    seen = memory.stay.leads.seen
+    spots = middles_of(seen, params.curiosity)
+    spots = spots[_within(asr, spots, p.depth)]
+    if len(spots) * params.curiosity.cell**2 < p.min_area:
+        return False
+    path = _off_doors(memory, params)
+    gaps = np.hypot(*(spots[:, None] - path[None]).transpose(2, 0, 1))
+    if not gaps.size or not _agrees(memory, asr, beams, params):
+        return False
+    goal, start = np.unravel_index(int(gaps.argmin()), gaps.shape)
+    return _one_space(memory, path[start], spots[goal], asr, seen, params)
+
+
+def _within(asr: ASR, points: Points, depth: float) -> NDArray[np.bool_]:
+    """Which points (P, 2) lie so deep inside a place, (P,)."""
+    core = shapely.Polygon(asr.boundary).buffer(-depth)
+    shapely.prepare(core)
+    return np.asarray(shapely.contains_xy(core, points[:, 0], points[:, 1]))
+
+
+def _off_doors(memory: Memory, params: Params) -> Points:
+    """The spots of this stay that are clear of all exits, (P, 2)."""
+    path = memory.stay.path[:-1]  # the last one may lie beyond an exit
+    doors = exit_lines(_doors(memory)).mean(axis=1)
+    gaps = np.hypot(*(path[:, None] - doors[None]).transpose(2, 0, 1))
+    return np.asarray(path[gaps.min(axis=1, initial=np.inf) >= params.union.off_door])
+
+
+def _doors(memory: Memory) -> Book:
+    return tuple(e for e in memory.book if e.sightings and not e.false)
+
+
+def _agrees(memory: Memory, asr: ASR, beams: Beams, params: Params) -> bool:
+    """Whether beams that end in or at the known place end on its surfaces."""
+    p = params.union
+    near = shapely.Polygon(asr.boundary).buffer(p.depth)
+    shapely.prepare(near)
+    into = shapely.contains_xy(near, beams.ends[:, 0], beams.ends[:, 1])
+    if np.count_nonzero(into) < p.min_beams:
+        return False
+    mfis = memory.mapping.mfis
+    walls = mfis.surfaces[mfis.asr == asr.id]
+    reach = params.association.beam_match
+    matched, through, count = evidence(beams.origins[into], beams.ends[into], walls, reach)
+    return matched >= p.min_agreeing * count and through <= p.max_through * count
+
+
+def _one_space(
+    memory: Memory, start: Points, goal: Points, asr: ASR, seen: Cells, params: Params
+) -> bool:
+    """Whether a body wider than any exit gets from one spot (2,) to the other, over seen space."""
+    p, mfis = params.union, memory.mapping.mfis
+    walls = mfis.surfaces[np.isin(mfis.asr, (0, asr.id))]
+    walls = np.concatenate((walls, exit_lines(_doors(memory))))
+    solid = sample_surfaces(walls, params.navigation.cell)
+    obstacles = np.concatenate((memory.obstacles, solid))
+    way = plan_path(obstacles, start, goal, params.navigation, RobotSpec(radius=p.passage / 2.0))
+    if way is None or not _within(asr, way[-1:], 0.0)[0]:
+        return False
+    pieces = np.stack((way[:-1], way[1:]), axis=1)
+    spots = sample_surfaces(pieces, params.curiosity.cell)
+    return bool(np.isin(cells_of(spots, params.curiosity), seen).mean() >= p.seen_share)
