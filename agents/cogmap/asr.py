@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.cogmap.boundary import bound, candidates, touches
-from agents.cogmap.crossing import find_crossing, look_from, looks, seen_after_crossing
+from agents.cogmap.crossing import SeenFree, find_crossing, look_from, looks, seen_after_crossing
 from agents.cogmap.params import Boundary
 from cogmap_gym.geometry import Points, Segments
 
@@ -46,6 +46,7 @@ def compute_asr(
     path: Points,
     params: Boundary,
     earlier: Points | None = None,
+    seen: SeenFree | None = None,
 ) -> ASR:
     """Algorithm 6: compute the ASR just left.
 
@@ -64,6 +65,7 @@ def compute_asr(
         path: (P, 2), from the entry or home to the position after the crossing.
         params: the Boundary group.
         earlier: (E, 2), in MFIS, where the space was looked from in earlier stays, or None.
+        seen: tells of points (P, 2) whether they were seen to be free from within, or None.
 
     Returns:
         The ASR, closed or not.
@@ -73,12 +75,12 @@ def compute_asr(
     # Step 3b
     own = ~seen_after_crossing(surfaces, crossing, params)
     eyes = looks(crossing.path, earlier, params)
-    sight = look_from(eyes, surfaces[own], crossing.exit, other_exits, params)
+    sight = look_from(eyes, surfaces[own], crossing.exit, other_exits, params, seen)
     if params.confirm_before:
         # Departs from step 3b: a surface must also be seen from the path before the
         # crossing, and not through an exit.
         own[own] = np.isin(np.arange(np.count_nonzero(own)), sight.rows)
-        sight = look_from(eyes, surfaces[own], crossing.exit, other_exits, params)
+        sight = look_from(eyes, surfaces[own], crossing.exit, other_exits, params, seen)
     # Step 4
     options = candidates(surfaces[own], params)
     # Step 5

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,8 @@ from agents.cogmap.params import Boundary
 from agents.cogmap.rays import NO_ROW, blocked, shorten
 from cogmap_gym.geometry import NO_SEGMENTS, Points, Segments, cross, lengths, midpoints
 
+SeenFree = Callable[[Points], NDArray[np.bool_]]
+"""Tells of points (P, 2) whether they were seen to be free, (P,)."""
 SURFACE_SAMPLES = np.array((0.1, 0.5, 0.9))
 """Where along a surface it is looked at, as shares of its length [1]."""
 
@@ -149,7 +152,12 @@ class Sight:
 
 
 def look_from(
-    eyes: Points, surfaces: Segments, exit_crossed: Points, other_exits: Segments, params: Boundary
+    eyes: Points,
+    surfaces: Segments,
+    exit_crossed: Points,
+    other_exits: Segments,
+    params: Boundary,
+    seen: SeenFree | None = None,
 ) -> Sight:
     """Find what could be seen of a space from within it, through no exit.
 
@@ -159,6 +167,8 @@ def look_from(
         exit_crossed: (2, 2), the exit by which the robot left.
         other_exits: (K, 2, 2), without the one crossed.
         params: the Boundary group.
+        seen: tells of points (P, 2) whether they were seen to be free, (P,); None to trust the
+            surfaces alone, where a wall that something hides is none.
 
     Returns:
         The free lines of sight; three samples a surface or exit.
@@ -175,10 +185,23 @@ def look_from(
     shut = _shut_gaps(surfaces, params)
     walls = np.concatenate((lines, exit_crossed[None], shut, _flanks(other_exits, params)))
     free = facing & ~blocked(rays, walls, rows)
+    if seen is not None and params.min_seen > 0.0:
+        free[free] = _truly_seen(rays[free], seen, params)
     count = np.bincount(sample[free], minlength=len(targets))
     worth = lengths(lines) / k
     worth[n:] = params.exit_worth / k
     return Sight(rays[free], rows[free], worth[rows[free]] / count[sample[free]])
+
+
+def _truly_seen(rays: Segments, seen: SeenFree, params: Boundary) -> NDArray[np.bool_]:
+    """Which rays (R, 2, 2) lead over what was seen to be free, as far as that is kept, (R,)."""
+    d = rays[:, 1] - rays[:, 0]
+    size = np.hypot(d[:, 0], d[:, 1])
+    steps = np.arange(params.seen_spacing, params.seen_reach, params.seen_spacing)
+    rows, columns = np.nonzero(steps < (size - params.seen_spacing)[:, None])
+    points = rays[rows, 0] + d[rows] * (steps[columns] / size[rows])[:, None]
+    known = np.bincount(rows, weights=seen(points), minlength=len(rays))
+    return known >= params.min_seen * np.bincount(rows, minlength=len(rays))
 
 
 def _shut_gaps(surfaces: Segments, params: Boundary) -> Segments:

@@ -16,6 +16,7 @@ from agents.cogmap.free_space import Cells, cells_of
 from agents.cogmap.memory import Leads, Mark, Memory
 from agents.cogmap.navigator import plan_path, sample_surfaces
 from agents.cogmap.params import Params
+from agents.cogmap.places import within
 from cogmap_gym.geometry import Points, lengths
 from cogmap_gym.observation import RobotSpec
 
@@ -44,7 +45,7 @@ def rejoin(memory: Memory, params: Params) -> Memory:
     stay, back = memory.stay, memory.stay.came_from
     entry, left = memory.exit(stay.entry), memory.leads_of(back)
     seen = np.union1d(stay.leads.seen, left.seen)
-    if parts(memory, entry, seen, params):
+    if parts(memory, entry, seen, params) and not _walked_round(memory, left.seen, params):
         return memory
     book = replace_exit(memory.book, replace(entry, false=True))
     returned = memory.with_stay(
@@ -63,6 +64,24 @@ def rejoin(memory: Memory, params: Params) -> Memory:
         intent=None,
         status=f"still in {back}",
     )
+
+
+def _walked_round(memory: Memory, seen: Cells, params: Params) -> bool:
+    """Whether the robot has come back into the place just left, and through no exit.
+
+    Args:
+        memory: in a place not known.
+        seen: cells seen to be free from the place just left.
+        params: all thresholds.
+    """
+    stay = memory.stay
+    back = memory.network.asr(stay.came_from)
+    if back is None or not back.closed:
+        return False
+    inside = within(back, stay.path, params.union.depth)
+    inside &= np.isin(cells_of(stay.path, params.curiosity), seen)
+    away = np.hypot(*(stay.path - memory.exit(stay.entry).middle).T) >= params.union.off_door
+    return bool(np.count_nonzero(inside & away) >= params.union.spots_back)
 
 
 def together(one: Leads, other: Leads) -> Leads:

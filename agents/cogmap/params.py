@@ -318,6 +318,8 @@ class Union:
     """Beams that must end there [1]. Ours: 15 degrees of a view."""
     min_agreeing: float = 0.7
     """Least share of them that end on surfaces of the known place [1]. Ours: backs of things."""
+    spots_back: int = 2
+    """Steps so deep inside the place just left, without an exit crossed [1]. Ours: not one slip."""
     max_through: float = 0.1
     """Largest share of them that go through such surfaces [1]. Ours: as in ``Association``."""
 
@@ -541,6 +543,12 @@ class Boundary:
     """Most path points to look from [1]. Ours: bounds the run time."""
     look_earlier: bool = True
     """Look from the spots of earlier stays, too [1]. Ours: a part seen then is not cut off."""
+    min_seen: float = 0.8
+    """Share of a sight line that must have been seen to be free [1]. Ours: walls are hidden."""
+    seen_spacing: float = 0.25
+    """From one spot that is looked up for that to the next [m]. Ours: ``Curiosity.cell``."""
+    seen_reach: float = 9.5
+    """And as far from the eye [m]. Ours: ``Curiosity.reach`` and two cells."""
     margin: float = 0.12
     """Slack of sight lines and of crossings at surface ends [m]. Ours: twice the map's noise."""
     exit_slack: float = 0.4
@@ -579,6 +587,7 @@ class Boundary:
             keep_small=False,
             drop_outside=False,
             look_earlier=False,
+            min_seen=0.0,
         )
 
 

@@ -18,6 +18,7 @@ from agents.cogmap.exits import (
     replace_exit,
     try_again,
 )
+from agents.cogmap.free_space import cells_of
 from agents.cogmap.memory import CHECK, EXIT, GAP, MARK, Journey, Leads, Memory, Stay
 from agents.cogmap.mfis import UNTAGGED, tag
 from agents.cogmap.params import Params
@@ -47,7 +48,7 @@ def _beyond_unnoticed(memory: Memory, params: Params) -> Exit | None:
     Where two exits lie close together, a stay may begin beyond the second.
     """
     at, p = memory.pose.position, params.exits
-    if not memory.stay.settled:
+    if not (memory.stay.settled or memory.stay.views > params.association.dense_views):
         return None
     for e in exits_of(memory.book, memory.stay.place):
         off = e.middle - at
@@ -220,4 +221,5 @@ def _compute(memory: Memory, crossed: Exit, params: Params) -> ASR:
         stay.path,
         params.boundary,
         None if before is None else before.looks,
+        lambda points: np.isin(cells_of(points, params.curiosity), stay.leads.seen),
     )

@@ -7,6 +7,8 @@ from itertools import pairwise
 
 import networkx as nx
 import numpy as np
+import shapely
+from numpy.typing import NDArray
 
 from agents.cogmap.asr import ASR
 from agents.cogmap.exits import NOWHERE, Book, Exit
@@ -42,6 +44,13 @@ class Route:
     """Ids of the exits to cross, in order."""
     length: float
     """Metres, from spot to spot in straight lines."""
+
+
+def within(asr: ASR, points: Points, depth: float) -> NDArray[np.bool_]:
+    """Which points (P, 2) lie at least so deep [m] inside a place with a boundary, (P,)."""
+    core = shapely.Polygon(asr.boundary).buffer(-depth)
+    shapely.prepare(core)
+    return np.asarray(shapely.contains_xy(core, points[:, 0], points[:, 1]))
 
 
 def links(book: Book) -> list[tuple[int, int, int]]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from agents.cogmap.asr import ASR
 from agents.cogmap.association import Beams, evidence
@@ -18,6 +17,7 @@ from agents.cogmap.free_space import Cells, cells_of, middles_of
 from agents.cogmap.memory import Memory
 from agents.cogmap.navigator import plan_path, sample_surfaces
 from agents.cogmap.params import Params
+from agents.cogmap.places import within
 from cogmap_gym.geometry import Points
 from cogmap_gym.observation import RobotSpec
 
@@ -34,7 +34,7 @@ def hangs_together(memory: Memory, asr: ASR, beams: Beams, params: Params) -> bo
     p = params.union
     seen = memory.stay.leads.seen
     spots = middles_of(seen, params.curiosity)
-    spots = spots[_within(asr, spots, p.depth)]
+    spots = spots[within(asr, spots, p.depth)]
     if len(spots) * params.curiosity.cell**2 < p.min_area:
         return False
     path = _off_doors(memory, params)
@@ -43,13 +43,6 @@ def hangs_together(memory: Memory, asr: ASR, beams: Beams, params: Params) -> bo
         return False
     goal, start = np.unravel_index(int(gaps.argmin()), gaps.shape)
     return _one_space(memory, path[start], spots[goal], asr, seen, params)
-
-
-def _within(asr: ASR, points: Points, depth: float) -> NDArray[np.bool_]:
-    """Which points (P, 2) lie so deep inside a place, (P,)."""
-    core = shapely.Polygon(asr.boundary).buffer(-depth)
-    shapely.prepare(core)
-    return np.asarray(shapely.contains_xy(core, points[:, 0], points[:, 1]))
 
 
 def _off_doors(memory: Memory, params: Params) -> Points:
@@ -89,7 +82,7 @@ def _one_space(
     solid = sample_surfaces(walls, params.navigation.cell)
     obstacles = np.concatenate((memory.obstacles, solid))
     way = plan_path(obstacles, start, goal, params.navigation, RobotSpec(radius=p.passage / 2.0))
-    if way is None or not _within(asr, way[-1:], 0.0)[0]:
+    if way is None or not within(asr, way[-1:], 0.0)[0]:
         return False
     pieces = np.stack((way[:-1], way[1:]), axis=1)
     spots = sample_surfaces(pieces, params.curiosity.cell)
