@@ -68,14 +68,7 @@ def worth_coming_back(gaps: Segments, params: Curiosity) -> Segments:
 
 
 def follow_walls(
-    leads: Leads,
-    view: View,
-    pose: Pose,
-    laser: LaserSpec,
-    book: Book,
-    params: Curiosity,
-    *,
-    new: bool,
+    leads: Leads, view: View, pose: Pose, laser: LaserSpec, book: Book, params: Curiosity
 ) -> Leads:
     """Pieces of wall seen only sparsely or at a glance, where a doorway may go unnoticed.
 
@@ -86,19 +79,16 @@ def follow_walls(
         laser: the laser.
         book: exits; what lies behind one is another place's.
         params: distances.
-        new: whether walls not known before are looked for.
     """
     pieces = _pieces(view.surfaces, params.piece)
     laid = pose.apply(pieces)
     dense = (_spacing(pieces, laser) <= params.max_spacing) & (_sine(pieces) > params.lit_sine)
     bright = midpoints(laid[dense])
     lit = np.concatenate((leads.lit, bright[~_near(bright, leads.lit, 0.5 * params.piece)]))
-    dim = leads.dim
-    if new:
-        dark = laid[~dense]
-        dark = dark[~seen_through_exit(book, pose.position, midpoints(dark), params.beside_exit)]
-        together = np.concatenate((dim, dark))
-        dim = together[_nearly(together, len(dim), params.piece)]
+    dark = laid[~dense]
+    dark = dark[~seen_through_exit(book, pose.position, midpoints(dark), params.beside_exit)]
+    together = np.concatenate((leads.dim, dark))
+    dim = together[_nearly(together, len(leads.dim), params.piece)]
     return replace(leads, dim=dim[~_near(midpoints(dim), lit, params.piece)], lit=lit)
 
 
@@ -150,12 +140,15 @@ def not_yet_squarely(pieces: Segments, pose: Pose, laser: LaserSpec, params: Cur
     if not len(pieces):
         return pieces
     seen = pose.inverse().apply(pieces)
-    middle = seen.mean(axis=1)
-    distance = np.hypot(middle[:, 0], middle[:, 1])
-    bearing = np.arctan2(middle[:, 1], middle[:, 0])
+    distance = np.hypot(*midpoints(seen).T)
+    along = (seen[:, 1] - seen[:, 0]) / np.maximum(lengths(seen), 1e-9)[:, None]
+    # A door's other jamb must be in view, too.
+    ends = seen + params.jamb_aside * np.stack((-along, along), axis=1)
+    bearing = np.arctan2(ends[..., 1], ends[..., 0])
     last = laser.first_angle + laser.step * (laser.beams - 1)
+    in_view = ((bearing > laser.first_angle) & (bearing < last)).all(axis=1)
     square = (_sine(seen) > params.square_sine) & (distance < params.square_reach)
-    return np.asarray(pieces[~(square & (bearing > laser.first_angle) & (bearing < last))])
+    return np.asarray(pieces[~(square & in_view)])
 
 
 def _pieces(surfaces: Segments, size: float) -> Segments:

@@ -11,13 +11,14 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from agents.cogmap.exits import Exit, rename_place, replace_exit
+from agents.cogmap.exits import Exit, exit_lines, rename_place, replace_exit
 from agents.cogmap.free_space import Cells, cells_of
 from agents.cogmap.memory import Leads, Mark, Memory
+from agents.cogmap.mfis import FORGOTTEN
 from agents.cogmap.navigator import plan_path, sample_surfaces
 from agents.cogmap.params import Params
 from agents.cogmap.places import within
-from cogmap_gym.geometry import Points, lengths
+from cogmap_gym.geometry import Points, lengths, segments_cross
 from cogmap_gym.observation import RobotSpec
 
 
@@ -74,14 +75,28 @@ def _walked_round(memory: Memory, seen: Cells, params: Params) -> bool:
         seen: cells seen to be free from the place just left.
         params: all thresholds.
     """
-    stay = memory.stay
+    stay, p = memory.stay, params.union
     back = memory.network.asr(stay.came_from)
-    if back is None or not back.closed:
+    if back is None:
         return False
-    inside = within(back, stay.path, params.union.depth)
-    inside &= np.isin(cells_of(stay.path, params.curiosity), seen)
-    away = np.hypot(*(stay.path - memory.exit(stay.entry).middle).T) >= params.union.off_door
-    return bool(np.count_nonzero(inside & away) >= params.union.spots_back)
+    door = memory.exit(stay.entry).middle
+    path = stay.path[:-1]  # the last one may lie beyond an exit
+    path, looks = (q[np.hypot(*(q - door).T) >= p.off_door] for q in (path, back.looks))
+    inside = np.isin(cells_of(path, params.curiosity), seen)
+    if back.closed and np.count_nonzero(inside & within(back, path, p.depth)) >= p.spots_back:
+        return True
+    return _beside(memory, path, looks, p.near_look)
+
+
+def _beside(memory: Memory, path: Points, looks: Points, near: float) -> bool:
+    """Whether some spot (P, 2) is near one (L, 2) where the robot once stood, nothing between."""
+    gaps = np.hypot(*(path[:, None] - looks[None]).transpose(2, 0, 1))
+    rows, columns = np.nonzero(gaps <= near)
+    between = np.stack((path[rows], looks[columns]), axis=1)
+    mfis = memory.mapping.mfis
+    doors = exit_lines(tuple(e for e in memory.book if e.sightings and not e.false))
+    walls = np.concatenate((mfis.surfaces[mfis.asr != FORGOTTEN], doors))
+    return bool((~segments_cross(between, walls).any(axis=1)).any())
 
 
 def together(one: Leads, other: Leads) -> Leads:

@@ -320,6 +320,8 @@ class Union:
     """Least share of them that end on surfaces of the known place [1]. Ours: backs of things."""
     spots_back: int = 2
     """Steps so deep inside the place just left, without an exit crossed [1]. Ours: not one slip."""
+    near_look: float = 1.0
+    """So near to where it once stood in a place, it is there [m]. Ours: drift."""
     max_through: float = 0.1
     """Largest share of them that go through such surfaces [1]. Ours: as in ``Association``."""
 
@@ -394,6 +396,10 @@ class Curiosity:
     """A wall is seen squarely up to 60 degrees from its normal [1]. Ours: 95 % of doors found."""
     square_reach: float = 5.0
     """And from within this [m]. Ours: 95 % of doors found."""
+    jamb_aside: float = 0.4
+    """And with so much wall on both sides in view [m]. Ours: half a door."""
+    facing: float = 0.5
+    """A wall is faced up to this bearing [rad]. Ours: both jambs of a door are in view."""
     search_step: float = 1.2
     """Longest drive of a robot that looks for exits [m]. Ours: two sights of each door."""
     search_steps: int = 60

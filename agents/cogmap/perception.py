@@ -79,6 +79,9 @@ def perceive(
 def survey(memory: Memory, view: View, seen: Openings, laser: LaserSpec, params: Params) -> Memory:
     """Note the exits and the gaps of a view, as those of the place the robot is now known to be in.
 
+    In an exit, and until the robot has found itself in a known place, only what is free is noted:
+    what is not looked for may not count as looked at either.
+
     Args:
         memory: after the view was laid into the MFIS, and a crossing noticed.
         view: surfaces in the robot's frame.
@@ -87,13 +90,16 @@ def survey(memory: Memory, view: View, seen: Openings, laser: LaserSpec, params:
         params: all thresholds.
     """
     book, stay, pose = memory.book, memory.stay, memory.pose
-    between = in_doorway(book, pose.position, params.exits)
-    if not between and (stay.settled or not stay.known):
+    sure = stay.settled or not stay.known
+    sure = sure and not in_doorway(book, pose.position, params.exits)
+    if sure:
         found = np.concatenate((pose.apply(seen.exits), _opened(memory, view, laser, params)))
         step = memory.mapping.step
         book = remember_exits(book, found, stay.place, pose, step, params.exits)
-    openings = None if between else seen
-    stay = _curious(stay, view, openings, pose, laser, book, params)
+    leads = see_free(stay.leads, view, pose, laser, params.curiosity)
+    stay = replace(stay, leads=leads)
+    if sure:
+        stay = _curious(stay, view, seen, pose, laser, book, params)
     return replace(memory, book=book, stay=stay)
 
 
@@ -111,23 +117,19 @@ def _opened(memory: Memory, view: View, laser: LaserSpec, params: Params) -> Seg
 def _curious(
     stay: Stay,
     view: View,
-    seen: Openings | None,
+    seen: Openings,
     pose: Pose,
     laser: LaserSpec,
     book: Book,
     params: Params,
 ) -> Stay:
-    """The stay with what the place still hides brought up to date.
-
-    In an exit, where ``seen`` is None, nothing new is looked for.
-    """
+    """The stay with what the place still hides brought up to date."""
     p = params.curiosity
-    leads = see_free(stay.leads, view, pose, laser, p)
-    new = NO_SEGMENTS if seen is None else pose.apply(seen.gaps)
+    new = pose.apply(seen.gaps)
     if stay.known:
         new = worth_coming_back(new, p)
-    leads = follow_gaps(leads, new, pose, book, p)
-    leads = follow_walls(leads, view, pose, laser, book, p, new=seen is not None)
+    leads = follow_gaps(stay.leads, new, pose, book, p)
+    leads = follow_walls(leads, view, pose, laser, book, p)
     return replace(stay, leads=leads, search=not_yet_squarely(stay.search, pose, laser, p))
 
 

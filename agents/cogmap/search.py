@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from agents.cogmap.choices import doubtful_exits
 from agents.cogmap.curiosity import before_walls, wall_pieces
@@ -62,7 +63,9 @@ def search_place(
         memory = replace(memory, intent=Intent(GAP, target))
         action = drive_to(memory, target, robot, params, leaving=False)
         near = float(np.hypot(*(target - memory.pose.position))) < params.exploration.arrival
-        if action is not None and not near:
+        if near:
+            action = _face(memory, target, robot, params)
+        if action is not None:
             return memory, _short(action, robot, params)
         memory = _passed(memory, target, params)
     return searched(memory), None
@@ -166,10 +169,22 @@ def _nearest(memory: Memory, params: Params) -> Points:
 def _passed(memory: Memory, target: Points, params: Params) -> Memory:
     """The memory without the walls that this spot (2,) was for."""
     pieces = memory.stay.search
-    far = np.hypot(*(pieces.mean(axis=1) - target).T) > params.curiosity.stand + 0.5 * (
-        params.curiosity.piece
-    )
-    return memory.with_stay(search=pieces[far])
+    return memory.with_stay(search=pieces[~_seen_from(pieces, target, params)])
+
+
+def _face(memory: Memory, target: Points, robot: RobotSpec, params: Params) -> Action | None:
+    """The turn towards the walls that this spot (2,) is for; None when the robot faces them."""
+    pieces = memory.stay.search
+    near = _seen_from(pieces, target, params)
+    to = memory.pose.inverse().apply(midpoints(pieces[near]).mean(axis=0)[None])[0]
+    bearing = float(np.arctan2(to[1], to[0]))
+    return turn(bearing, robot) if abs(bearing) > params.curiosity.facing else None
+
+
+def _seen_from(pieces: Segments, target: Points, params: Params) -> NDArray[np.bool_]:
+    """The pieces of wall (P, 2, 2) that a spot (2,) is for, (P,)."""
+    reach = params.curiosity.stand + 0.5 * params.curiosity.piece
+    return np.asarray(np.hypot(*(midpoints(pieces) - target).T) <= reach)
 
 
 def _short(action: Action, robot: RobotSpec, params: Params) -> Action:
