@@ -310,7 +310,7 @@ class Union:
     """Least area of it seen to be free from the new place [m2]. Ours: a doorway's sight is less."""
     passage: float = 1.2
     """They are one if a body so wide gets across [m]. Ours: no exit is wider (thesis 3.3)."""
-    off_door: float = 0.8
+    off_door: float = 0.45
     """It sets out so far from all exits [m]. Ours: clear of their jambs."""
     seen_share: float = 0.95
     """Share of its way that must have been seen to be free [1]. Ours: the unseen may be wall."""

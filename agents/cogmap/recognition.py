@@ -52,22 +52,22 @@ def recognise_place(memory: Memory, params: Params, last_chance: bool = False) -
         return _accept(memory, tried[0], params)
     whole = None if stay.known else _part_of(memory, beams, params)
     if whole is not None:
-        return _accept(memory, Hypothesis(whole, Pose(), 1.0, 0.0, 0.0), params, partly=True)
+        partly = not _drifted(whole, params.association)
+        memory = _accept(memory, whole, params, partly=partly)
+        return memory if partly else memory.with_stay(looked=False, turned=0.0)
     # A known place that cannot be confirmed is taken as it is believed to lie.
     late = stay.known and (last_chance or stay.views >= p.dense_views)
     return memory.with_stay(settled=True) if late else memory
 
 
-def _part_of(memory: Memory, beams: Beams, params: Params) -> int | None:
+def _part_of(memory: Memory, beams: Beams, params: Params) -> Hypothesis | None:
     """The one known place that the present one turns out to be a part of, or None."""
-    entry, found = memory.exit(memory.stay.entry), []
+    found = []
     for asr in memory.network.asrs:
-        if asr.id == memory.stay.came_from or not asr.closed:
-            continue
-        if _elsewhere(memory, entry, Hypothesis(asr.id, Pose(), 1.0, 0.0, 0.0)):
-            continue
-        if hangs_together(memory, asr, beams, params):
-            found.append(asr.id)
+        if asr.id != memory.stay.came_from and asr.closed:
+            whole = hangs_together(memory, asr, beams, params)
+            if whole is not None and not _elsewhere(memory, whole):
+                found.append(whole)
     return found[0] if len(found) == 1 else None
 
 
@@ -146,11 +146,12 @@ def _possible(memory: Memory, hypothesis: Hypothesis, p: Association) -> bool:
     door = hypothesis.shift.apply(entry.middle)
     at_edge = shapely.distance(polygon.exterior, shapely.Point(door)) <= p.door_distance
     fits = hypothesis.sure(p) or (inside >= p.min_inside and at_edge)
-    return bool(fits and not _elsewhere(memory, entry, hypothesis))
+    return bool(fits and not _elsewhere(memory, hypothesis))
 
 
-def _elsewhere(memory: Memory, entry: Exit, hypothesis: Hypothesis) -> bool:
+def _elsewhere(memory: Memory, hypothesis: Hypothesis) -> bool:
     """Whether the exit crossed is one of the known place that is known to lead elsewhere."""
+    entry = memory.exit(memory.stay.entry)
     twin = None if memory.stay.known else _twin(memory, entry, hypothesis)
     return (
         twin is not None

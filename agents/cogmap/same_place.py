@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from agents.cogmap.asr import ASR
-from agents.cogmap.association import Beams, evidence
+from agents.cogmap.association import Beams, Hypothesis, best_hypothesis
 from agents.cogmap.exits import Book, exit_lines
 from agents.cogmap.free_space import Cells, cells_of, middles_of
 from agents.cogmap.memory import Memory
@@ -22,27 +22,41 @@ from cogmap_gym.geometry import Points
 from cogmap_gym.observation import RobotSpec
 
 
-def hangs_together(memory: Memory, asr: ASR, beams: Beams, params: Params) -> bool:
-    """Whether the present, unknown place is a part of a known one.
+def hangs_together(memory: Memory, asr: ASR, beams: Beams, params: Params) -> Hypothesis | None:
+    """Whether the present, unknown place is a part of a known one, and how the robot has drifted.
 
     Args:
         memory: in a place not known.
-        asr: of the known place.
+        asr: the known place, closed.
         beams: what was seen last in the present place.
         params: all thresholds.
     """
-    p = params.union
-    seen = memory.stay.leads.seen
+    p, seen, path = params.union, memory.stay.leads.seen, _off_doors(memory, params)
     spots = middles_of(seen, params.curiosity)
     spots = spots[within(asr, spots, p.depth)]
-    if len(spots) * params.curiosity.cell**2 < p.min_area:
-        return False
-    path = _off_doors(memory, params)
+    if not len(path) or len(spots) * params.curiosity.cell**2 < p.min_area:
+        return None
     gaps = np.hypot(*(spots[:, None] - path[None]).transpose(2, 0, 1))
-    if not gaps.size or not _agrees(memory, asr, beams, params):
-        return False
     goal, start = np.unravel_index(int(gaps.argmin()), gaps.shape)
-    return _one_space(memory, path[start], spots[goal], asr, seen, params)
+    if not _one_space(memory, path[start], spots[goal], asr, seen, params):
+        return None
+    return _agreeing(memory, asr, beams, params)
+
+
+def _agreeing(memory: Memory, asr: ASR, beams: Beams, params: Params) -> Hypothesis | None:
+    """How beams that end in or at the known place end on its surfaces, if they do."""
+    p = params.union
+    near = shapely.Polygon(asr.boundary).buffer(p.depth)
+    shapely.prepare(near)
+    into = shapely.contains_xy(near, beams.ends[:, 0], beams.ends[:, 1])
+    if np.count_nonzero(into) < p.min_beams:
+        return None
+    mfis = memory.mapping.mfis
+    walls, since = mfis.surfaces[mfis.asr == asr.id], memory.since_left(asr.id)
+    entering = Beams(beams.origins[into], beams.ends[into])
+    found = best_hypothesis(asr.id, walls, entering, since, params.association)
+    agrees = found.coverage >= p.min_agreeing and found.contradiction <= p.max_through
+    return found if agrees else None
 
 
 def _off_doors(memory: Memory, params: Params) -> Points:
@@ -55,21 +69,6 @@ def _off_doors(memory: Memory, params: Params) -> Points:
 
 def _doors(memory: Memory) -> Book:
     return tuple(e for e in memory.book if e.sightings and not e.false)
-
-
-def _agrees(memory: Memory, asr: ASR, beams: Beams, params: Params) -> bool:
-    """Whether beams that end in or at the known place end on its surfaces."""
-    p = params.union
-    near = shapely.Polygon(asr.boundary).buffer(p.depth)
-    shapely.prepare(near)
-    into = shapely.contains_xy(near, beams.ends[:, 0], beams.ends[:, 1])
-    if np.count_nonzero(into) < p.min_beams:
-        return False
-    mfis = memory.mapping.mfis
-    walls = mfis.surfaces[mfis.asr == asr.id]
-    reach = params.association.beam_match
-    matched, through, count = evidence(beams.origins[into], beams.ends[into], walls, reach)
-    return matched >= p.min_agreeing * count and through <= p.max_through * count
 
 
 def _one_space(
