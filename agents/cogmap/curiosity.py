@@ -120,9 +120,14 @@ def before_walls(pieces: Segments, params: Curiosity) -> Points:
     return np.asarray(pieces.mean(axis=1) + params.stand * left)
 
 
-def wall_pieces(surfaces: Segments, params: Curiosity) -> Segments:
-    """Surfaces (N, 2, 2) cut into pieces about as long as a door is wide, (P, 2, 2)."""
-    return _pieces(surfaces, params.piece)
+def wall_pieces(walls: Segments, params: Curiosity) -> Segments:
+    """Walls (N, 2, 2) cut into pieces about as long as a door is wide, (P, 2, 2).
+
+    One shorter than that is a piece of its own, but not what is shorter than its half.
+    """
+    size = lengths(walls)
+    short = (size >= 0.5 * params.piece) & (size < params.piece)
+    return np.concatenate((_pieces(walls, params.piece), walls[short]))
 
 
 def not_yet_squarely(pieces: Segments, pose: Pose, laser: LaserSpec, params: Curiosity) -> Segments:

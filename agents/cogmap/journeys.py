@@ -9,6 +9,7 @@ import numpy as np
 from agents.cogmap.driving import Action, doorway_is_clear, drive_through, drive_to
 from agents.cogmap.exits import NOWHERE, Exit
 from agents.cogmap.exploration import explore
+from agents.cogmap.leads import unexplored
 from agents.cogmap.memory import MARK, Intent, Journey, Mark, Memory, place_of
 from agents.cogmap.params import Params
 from agents.cogmap.places import Route, exits_of, linked, route
@@ -66,8 +67,9 @@ def _without_a_way(
 ) -> tuple[Memory, Action]:
     """What is left to try where no known way leads to the mark; nothing left: say so, and declare.
 
-    Exits never crossed come first, then the walls behind which the goal may be entered, then the
-    exits that could not be reached, though they were not seen to be shut.
+    Exits never crossed come first, then the walls behind which the goal may be entered, then what
+    was left unexplored anywhere, then the exits that could not be reached, though they were not
+    seen to be shut.
     """
     journey = memory.journey
     assert journey is not None, "a journey has begun"
@@ -78,6 +80,8 @@ def _without_a_way(
         onward = _untried(memory, mark, params) or _towards_search(memory, mark, params)
     if onward is not None:
         return _by_exit(memory, onward, mark, view, robot, params)
+    if journey.lost <= params.journeys.lost_steps and unexplored(memory, params):
+        return explore(memory, view, robot, params)
     doubtful = _doubtful_blocks(memory)
     if doubtful and not journey.retried:
         again = replace(

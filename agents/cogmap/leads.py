@@ -33,6 +33,12 @@ def way_to_leads(memory: Memory, params: Params) -> Exit | None:
     return memory.exit(best.exits[0]) if best is not None else None
 
 
+def unexplored(memory: Memory, params: Params) -> bool:
+    """Whether anything is left to explore, here or in a place that can be reached."""
+    here = len(lead_points(memory.stay.leads, params)) > 0
+    return here or way_to_leads(memory, params) is not None
+
+
 def _spots(memory: Memory, params: Params) -> list[tuple[int, Points]]:
     """(place, a lead (2,) in it) of every place but the present one that has any."""
     at = memory.pose.position

@@ -15,9 +15,15 @@ from agents.cogmap.exits import Exit, give_up_exit
 from agents.cogmap.exploration import explore
 from agents.cogmap.memory import CHECK, EXIT, GAP, LOOK, Intent, Mark, Memory
 from agents.cogmap.params import Params
-from agents.cogmap.places import Route, linked
+from agents.cogmap.places import Route, exits_of, linked
 from agents.cogmap.view import View
-from cogmap_gym.geometry import NO_SEGMENTS, Points, Segments, midpoints
+from cogmap_gym.geometry import (
+    NO_SEGMENTS,
+    Points,
+    Segments,
+    midpoints,
+    point_segment_distances,
+)
 from cogmap_gym.observation import RobotSpec
 
 
@@ -102,9 +108,21 @@ def _begun(memory: Memory, mark: Mark, known: Route | None, params: Params) -> M
 
 
 def _walls(memory: Memory, place: int, params: Params) -> Segments:
-    """The walls of a place, in pieces, (P, 2, 2)."""
-    mfis = memory.mapping.mfis
-    return wall_pieces(mfis.surfaces[mfis.asr == place], params.curiosity)
+    """The walls of a place but its known exits, in pieces, free space on the left, (P, 2, 2)."""
+    asr = memory.network.asr(place)
+    if asr is None or not asr.closed:
+        return NO_SEGMENTS
+    pieces = wall_pieces(_ring(asr.boundary), params.curiosity)
+    known = [e.line for e in exits_of(memory.book, place) if e.trusted(params.exits)]
+    if not known:
+        return pieces
+    gaps = point_segment_distances(midpoints(pieces), np.stack(known))
+    return np.asarray(pieces[gaps.min(axis=1) > 0.5 * params.curiosity.piece])
+
+
+def _ring(boundary: Points) -> Segments:
+    """The sides of a closed polygon (K, 2), (K, 2, 2)."""
+    return np.stack((boundary, np.roll(boundary, -1, axis=0)), axis=1)
 
 
 def _shared_walls(memory: Memory, place: int, mark: Mark, params: Params) -> Segments:
