@@ -74,7 +74,7 @@ def test_only_wide_gaps_are_worth_coming_back_for() -> None:
 
 
 def test_nothing_seen_leaves_nothing_to_explore() -> None:
-    leads = follow_walls(Leads(), EMPTY_VIEW, Pose(), SYMMETRIC, (), P, new=True)
+    leads = follow_walls(Leads(), EMPTY_VIEW, Pose(), SYMMETRIC, (), P)
     leads = follow_gaps(leads, NO_SEGMENTS, Pose(), (), P)
     assert lead_points(leads, PARAMS).shape == (0, 2)
     assert len(see_free(leads, EMPTY_VIEW, Pose(), SYMMETRIC, P).seen) == 0
@@ -83,15 +83,15 @@ def test_nothing_seen_leaves_nothing_to_explore() -> None:
 def test_the_far_walls_of_a_corridor_are_looked_at_until_they_were_seen_well() -> None:
     leads = Leads()
     start = Pose(1.0, 1.0, 0.0)
-    leads = follow_walls(leads, view_of(HALL, start), start, SYMMETRIC, (), P, new=True)
+    leads = follow_walls(leads, view_of(HALL, start), start, SYMMETRIC, (), P)
     far = leads.dim.mean(axis=1)[:, 0]
     assert len(far) > 4
     assert far.min() > 3.0
-    known = follow_walls(Leads(), view_of(HALL, start), start, SYMMETRIC, (), P, new=False)
+    known = follow_walls(Leads(), view_of(HALL, start), start, SYMMETRIC, (), P)
     assert len(known.dim) == 0, "in a known place no new ones are looked for"
     for x in np.arange(2.0, 19.5, 1.0):
         pose = Pose(x, 1.0, 0.0)
-        leads = follow_walls(leads, view_of(HALL, pose), pose, SYMMETRIC, (), P, new=True)
+        leads = follow_walls(leads, view_of(HALL, pose), pose, SYMMETRIC, (), P)
     assert len(leads.dim) == 0
 
 

@@ -129,7 +129,7 @@ class Memory:
     network: Network
     stay: Stay
     path: Points
-    """(T, 3): every pose so far in the MFIS as it was believed then."""
+    """(T, 3): the last poses in the MFIS, as they were believed then."""
     travelled: float
     """Metres driven, by odometry."""
     departures: tuple[tuple[int, float], ...]

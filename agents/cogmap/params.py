@@ -206,6 +206,8 @@ class Passages:
 
     stretch: float = 3.5
     """How much of the path is looked back at [m]. Ours: a move and a wall's thickness."""
+    path_kept: int = 5000
+    """Poses of the whole path that are remembered, for pictures [1]. Ours: bounded memory."""
     spacing: float = 0.1
     """From one spot on it to the next [m]. Ours: half a wall's thickness."""
     band: float = 0.12

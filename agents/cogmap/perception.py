@@ -27,7 +27,7 @@ from agents.cogmap.passages import passages
 from agents.cogmap.places import seen_from
 from agents.cogmap.view import View
 from agents.cogmap.wall_openings import wall_openings
-from cogmap_gym.geometry import NO_SEGMENTS, Pose, Segments
+from cogmap_gym.geometry import NO_SEGMENTS, Points, Pose, Segments
 from cogmap_gym.observation import LaserSpec
 
 
@@ -69,11 +69,16 @@ def perceive(
             obstacles=obstacles,
             book=book,
             stay=stay,
-            path=np.concatenate((memory.path, np.array([[pose.x, pose.y, pose.theta]]))),
+            path=_lengthened(memory.path, pose, params.passages.path_kept),
             travelled=memory.travelled + float(np.hypot(odometry.x, odometry.y)),
         ),
         edits,
     )
+
+
+def _lengthened(path: Points, pose: Pose, kept: int) -> Points:
+    """The last poses (T, 3) of the path, with this one."""
+    return np.concatenate((path[1 - kept :], np.array([[pose.x, pose.y, pose.theta]])))
 
 
 def survey(memory: Memory, view: View, seen: Openings, laser: LaserSpec, params: Params) -> Memory:
