@@ -123,17 +123,18 @@ def _untried(memory: Memory, mark: Mark, params: Params) -> Exit | None:
 
 
 def _towards_search(memory: Memory, mark: Mark, params: Params) -> Exit | None:
-    """The first exit on the way to the nearest place in which a door to the goal may be."""
+    """The first exit on the shortest promise by a place in which a door to the goal may be."""
     journey, here, at = memory.journey, memory.stay.place, memory.pose.position
     assert journey is not None, "a journey has begun"
-    ways: list[Route] = []
-    for place in unsearched(memory, mark, params):
-        for e in exits_of(memory.book, place):
-            way = route(memory.book, at, here, e.middle, place, journey.blocked)
-            if way is not None and way.exits:
-                ways.append(way)
-    best = min(ways, key=lambda way: way.length, default=None)
-    return None if best is None else memory.exit(best.exits[0])
+    best, least = None, np.inf
+    for place, spot in unsearched(memory, mark, params).items():
+        way = route(memory.book, at, here, spot, place, journey.blocked)
+        if way is None or not way.exits:
+            continue
+        promise = way.length + float(np.hypot(*(mark.point - spot)))
+        if promise < least:
+            best, least = way.exits[0], promise
+    return None if best is None else memory.exit(best)
 
 
 def _on_the_way(memory: Memory, mark: Mark, params: Params) -> Memory:

@@ -392,7 +392,7 @@ class Curiosity:
     """Walls are judged by pieces of this length [m]. Ours: about a door."""
     beside_exit: float = 0.3
     """Sights this far beside an exit still go through it [m]. Ours: jambs and noise."""
-    lit_sine: float = 0.3
+    lit_sine: float = 0.4
     """Walls seen more flatly may hide a doorway, sine of the angle [1]. Ours: 73 deg."""
     square_sine: float = 0.5
     """A wall is seen squarely up to 60 degrees from its normal [1]. Ours: 95 % of doors found."""

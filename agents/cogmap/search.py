@@ -77,12 +77,21 @@ def search_place(
     return searched(memory), None
 
 
-def unsearched(memory: Memory, mark: Mark, params: Params) -> list[int]:
-    """Places within reach in which a door to the goal may be, not yet searched on this journey."""
+def unsearched(memory: Memory, mark: Mark, params: Params) -> dict[int, Points]:
+    """Places within reach in which a door to the goal may be, not yet searched on this journey.
+
+    Returns:
+        By place, the spot (2,) in the MFIS on such a wall that is nearest to the goal.
+    """
     journey = memory.journey
     assert journey is not None, "exits are looked for on a journey"
     near = linked(memory.book, memory.stay.place, journey.blocked) - journey.searched
-    return [place for place in sorted(near) if len(_shared_walls(memory, place, mark, params))]
+    spots: dict[int, Points] = {}
+    for place in sorted(near):
+        middle = midpoints(_shared_walls(memory, place, mark, params))
+        if len(middle):
+            spots[place] = middle[int(np.hypot(*(middle - mark.point).T).argmin())]
+    return spots
 
 
 def _begun(memory: Memory, mark: Mark, known: Route | None, params: Params) -> Memory:
