@@ -8,7 +8,7 @@ from agents.cogmap.curiosity import lead_points
 from agents.cogmap.exits import Exit
 from agents.cogmap.memory import Memory
 from agents.cogmap.params import Params
-from agents.cogmap.places import Route, route
+from agents.cogmap.places import Route, exits_of, route
 from cogmap_gym.geometry import Points
 
 
@@ -26,30 +26,45 @@ def way_to_leads(memory: Memory, params: Params) -> Exit | None:
         or (e.given_up >= 0 and e.given_up > recent)
     )
     best: Route | None = None
-    for place, spot in _spots(memory, params):
+    for place, spot, wall in _spots(memory, params):
         way = route(memory.book, at, here, spot, place, failed)
-        if way is not None and way.exits and (best is None or way.length < best.length):
+        if way is None or not way.exits:
+            continue
+        if (wall or way.length > params.curiosity.turn_back) and _turns_back(memory, way, params):
+            continue
+        if best is None or way.length < best.length:
             best = way
     return memory.exit(best.exits[0]) if best is not None else None
 
 
+def _turns_back(memory: Memory, way: Route, params: Params) -> bool:
+    """Whether a way leads out where the robot came in, and it might go on instead."""
+    entry = memory.stay.entry
+    others = [
+        e
+        for e in exits_of(memory.book, memory.stay.place)
+        if e.id != entry and e.crossed >= 0 and e.trusted(params.exits)
+    ]
+    return way.exits[0] == entry and len(others) > 0
+
+
 def unexplored(memory: Memory, params: Params) -> bool:
     """Whether anything is left to explore, here or in a place that can be reached."""
-    here = len(lead_points(memory.stay.leads, params)) > 0
+    here = any(len(points) for points in lead_points(memory.stay.leads, params))
     return here or way_to_leads(memory, params) is not None
 
 
-def _spots(memory: Memory, params: Params) -> list[tuple[int, Points]]:
-    """(place, a lead (2,) in it) of every place but the present one that has any."""
+def _spots(memory: Memory, params: Params) -> list[tuple[int, Points, bool]]:
+    """(place, a lead (2,) in it, whether it is a mere wall) of every other place that has any."""
     at = memory.pose.position
-    spots: list[tuple[int, Points]] = []
+    spots: list[tuple[int, Points, bool]] = []
     for e in memory.book:
         if e.crossed < 0 and e.failures < params.exploration.max_failures and _real(e):
-            spots.extend((p, e.middle) for p in {e.left, e.right} if _known(memory, p))
+            spots.extend((p, e.middle, False) for p in {e.left, e.right} if _known(memory, p))
     for place, leads in memory.leads:
-        points = lead_points(leads, params)
-        if len(points) and _known(memory, place):
-            spots.append((place, points[int(np.hypot(*(points - at).T).argmin())]))
+        for points, wall in zip(lead_points(leads, params), (False, True), strict=True):
+            if len(points) and _known(memory, place):
+                spots.append((place, points[int(np.hypot(*(points - at).T).argmin())], wall))
     return spots
 
 
