@@ -112,7 +112,7 @@ class Report:
         before = Pose(*map(float, odometry)).inverse().apply(last.view.surfaces)
         rows, seen = np.unique(now.pairs[:, 1]), now.view.surfaces
         landmarks = now.mfis_from_robot.inverse().apply(now.mfis.surfaces[rows])
-        ids = [int(row) + 1 for row in rows]
+        ids = now.mfis.ids[rows].tolist()
         return fig.TwoViews(
             now.step, before, last.ids.tolist(), seen, now.ids.tolist(), landmarks, ids
         )

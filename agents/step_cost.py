@@ -150,7 +150,7 @@ def _around() -> Iterator[Floats]:
 def _with_copy(memory: Memory, source: Memory, shift: Pose, most: int) -> Memory:
     """The memory with one copy of the other, no more than ``most`` surfaces of it, shifted."""
     old, known = memory.mapping.mfis, source.mapping.mfis
-    surfaces, exits, places = len(old), len(memory.book), memory.network.last_id
+    surfaces, exits, places = old.last_id, len(memory.book), memory.network.last_id
 
     def named(place: int) -> int:
         return place + places if place > 0 else place
@@ -175,6 +175,7 @@ def _with_copy(memory: Memory, source: Memory, shift: Pose, most: int) -> Memory
         name: getattr(known, name) - source.mapping.step - 1 for name in _STEPS
     }
     changes: dict[str, Any] = {"asr": tags, "entered": np.ones(len(known), np.bool_)}
+    changes["ids"] = known.ids + surfaces
     copied = replace(known, **changes, **moved, **earlier)
     path = np.concatenate((source.path + np.array((shift.x, shift.y, 0.0)), memory.path))
     return replace(

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from agents.base import Agent
 from agents.cogmap.agent import CogMapAgent
+from agents.cogmap.mfis import FORGOTTEN, MFIS
 from agents.cogmap.params import Params
 from agents.cogmap.places import links
 from agents.rollout import Episode, run_episode
@@ -104,9 +105,9 @@ class Recorder:
                 believed=np.array((pose.x, pose.y, pose.theta)),
                 seen=mapping.view.surfaces,
                 names=mapping.ids,
-                surfaces=mapping.mfis.surfaces,
-                entered=mapping.mfis.entered,
-                tags=mapping.mfis.asr,
+                surfaces=_by_name(mapping.mfis, mapping.mfis.surfaces, np.nan),
+                entered=_by_name(mapping.mfis, mapping.mfis.entered, False),
+                tags=_by_name(mapping.mfis, mapping.mfis.asr, FORGOTTEN),
                 place=stay.place,
                 entry=stay.entry,
                 began=stay.began,
@@ -114,6 +115,15 @@ class Recorder:
                 links=tuple(links(memory.book)),
             )
         )
+
+
+def _by_name(mfis: MFIS, values: NDArray[Any], missing: Any) -> NDArray[Any]:
+    """A column of the MFIS in which the surface of name n stands in row n - 1."""
+    if len(mfis) == mfis.last_id:
+        return values
+    out = np.full((mfis.last_id, *values.shape[1:]), missing, dtype=values.dtype)
+    out[mfis.ids - 1] = values
+    return out
 
 
 def run(trial: Trial) -> Row:

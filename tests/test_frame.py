@@ -59,6 +59,7 @@ def known(surfaces: Segments, physical: bool = True) -> MFIS:
         entered=np.ones(count, dtype=np.bool_),
         sighting=surfaces,
         sighted=zeros,
+        ids=np.arange(1, count + 1),
     )
 
 

@@ -58,8 +58,12 @@ class CogMapAgent:
         memory = recognise_place(memory, self.params)  # closing the loop by association
         memory = _remember_mark(memory, int(observation["mark"]))
         memory, action = self._decide(memory, view, seen, int(observation["goal"]))  # 1
+        fewer = len(memory.mapping.mfis) < len(self.memory.mapping.mfis)
         self.memory = memory
         self.edits.extend(edits)
+        if fewer:
+            kept = set(memory.mapping.mfis.ids.tolist())
+            self.edits = [edit for edit in self.edits if edit.id in kept]
         return action
 
     def _decide(
@@ -92,7 +96,7 @@ class CogMapAgent:
 
     @property
     def edit_log(self) -> Sequence[Edit]:
-        """Every change of the MFIS so far."""
+        """Every change so far of the surfaces that the MFIS holds."""
         return tuple(self.edits)
 
 

@@ -195,7 +195,7 @@ def by_nearest(
     in_view = odometry.inverse().apply(previous)
     match = find_landmarks(view.surfaces, in_view, params.landmarks)
     rows = np.flatnonzero(match >= 0)
-    pairs = np.stack((rows, ids[match[rows]] - 1), axis=-1)
+    pairs = np.stack((rows, mfis.rows_of(ids[match[rows]])), axis=-1)
     if len(rows) == 0:
         return Located(search.predicted, NO_PAIRS, 0.0), [search.predicted] * len(view.surfaces)
     frames = [_frame_of(view.surfaces[i], in_view[match[i]], mfis.surfaces[j]) for i, j in pairs]

@@ -10,7 +10,16 @@ from numpy.typing import NDArray
 
 from agents.cogmap.lines import extract_view
 from agents.cogmap.locate import NO_PAIRS, Search, by_consensus, by_nearest, near
-from agents.cogmap.mfis import EMPTY_MFIS, MFIS, Edit, enter, normalise, recognise, transfer
+from agents.cogmap.mfis import (
+    EMPTY_MFIS,
+    MFIS,
+    Edit,
+    enter,
+    normalise,
+    recognise,
+    transfer,
+    without_dead,
+)
 from agents.cogmap.params import Frame, Params
 from agents.cogmap.view import EMPTY_VIEW, View
 from cogmap_gym.geometry import Pose, Segments
@@ -78,7 +87,7 @@ def update(
     mfis, lengthened = normalise(view, mfis, found.pairs, pose, step, params.transfer)
     # Step 4: transfer what is not a landmark
     ids = np.zeros(len(view.surfaces), dtype=np.int64)
-    ids[found.pairs[::-1, 0]] = found.pairs[::-1, 1] + 1
+    ids[found.pairs[::-1, 0]] = mfis.ids[found.pairs[::-1, 1]]
     rows = np.flatnonzero(allowed & near(mfis, view, pose, p.near))
     mfis, ids = transfer(view, mfis, ids, frames, rows, step, params.transfer, params.landmarks)
     mfis, entered = enter(view, mfis, found.pairs, pose, step, params.transfer)
@@ -86,7 +95,9 @@ def update(
     apart = _disagreement(last.disagreement, predicted, pose, prior_sd, p)
     if len(found.pairs) == 0:
         apart = last.disagreement
-    mapping = Mapping(mfis, pose, view, ids, found.pairs, found.matched, step, apart)
+    tidy = without_dead(mfis, ids, params.transfer.most_forgotten)
+    pairs = np.stack((found.pairs[:, 0], tidy.rows_of(mfis.ids[found.pairs[:, 1]])), axis=-1)
+    mapping = Mapping(tidy, pose, view, ids, pairs, found.matched, step, apart)
     return mapping, [*lengthened, *entered]
 
 
@@ -94,7 +105,7 @@ def _named(last: Mapping) -> tuple[Segments, Ints]:
     """Surfaces of V_{n-1} that have an id, made as long as those of the MFIS, and their ids."""
     ids = last.ids[last.ids > 0]
     seen = last.view.surfaces[last.ids > 0]
-    known = last.mfis_from_robot.inverse().apply(last.mfis.surfaces[ids - 1])
+    known = last.mfis_from_robot.inverse().apply(last.mfis.surfaces[last.mfis.rows_of(ids)])
     along = seen[:, 1] - seen[:, 0]
     u = (along / np.hypot(along[:, 0], along[:, 1])[:, None])[:, None]
     feet = ((known - seen[:, :1]) * u).sum(-1)

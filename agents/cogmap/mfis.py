@@ -7,7 +7,7 @@ own line. ``Edit`` records keep the proof.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +29,7 @@ FORGOTTEN = -1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MFIS:
-    """Surfaces in one coordinate system, that of the first view; row r has the id r + 1."""
+    """Surfaces in one coordinate system, that of the first view."""
 
     surfaces: Segments
     """(N, 2, 2), free space on the left."""
@@ -53,15 +53,21 @@ class MFIS:
     """(N, 2, 2): the surface in the robot's frame where it was seen best before it was entered."""
     sighted: Ints
     """(N,): step of that sighting."""
+    ids: Ints
+    """(N,): names of the surfaces, from 1, ascending; none is given twice."""
 
     def __len__(self) -> int:
         """Number of surfaces."""
         return len(self.surfaces)
 
     @property
-    def ids(self) -> Ints:
-        """(N,): names of the surfaces, from 1."""
-        return np.arange(1, len(self.surfaces) + 1)
+    def last_id(self) -> int:
+        """The last name given; 0 before the first."""
+        return int(self.ids[-1]) if len(self.ids) else 0
+
+    def rows_of(self, ids: Ints) -> Ints:
+        """The rows (K,) of surfaces with these names (K,), which are part of the table."""
+        return np.searchsorted(self.ids, ids)
 
 
 EMPTY_MFIS = MFIS(
@@ -75,6 +81,7 @@ EMPTY_MFIS = MFIS(
     np.zeros(0, dtype=np.int64),
     np.zeros(0, dtype=np.bool_),
     NO_SEGMENTS,
+    np.zeros(0, dtype=np.int64),
     np.zeros(0, dtype=np.int64),
 )
 
@@ -107,6 +114,22 @@ def tag(mfis: MFIS, rows: Ints, asr: int) -> MFIS:
     tags = mfis.asr.copy()
     tags[rows] = asr
     return replace(mfis, asr=tags)
+
+
+def without_dead(mfis: MFIS, named: Ints, most: int) -> MFIS:
+    """The table without the forgotten surfaces, once they are many.
+
+    Args:
+        mfis: the map.
+        named: names that are still in use.
+        most: so many forgotten surfaces may stay.
+    """
+    dead = (mfis.asr == FORGOTTEN) & ~np.isin(mfis.ids, named)
+    if np.count_nonzero(dead) <= most:
+        return mfis
+    keep = ~dead
+    keep[-1] = True  # so that no name is given twice
+    return MFIS(*(getattr(mfis, f.name)[keep] for f in fields(MFIS)))
 
 
 def normalise(
@@ -153,7 +176,7 @@ def normalise(
                 after = known[0] + np.outer(new, u)
                 if mfis.entered[j]:
                     seen = view.surfaces[i]
-                    edits.append(Edit(step, int(j) + 1, known.copy(), after, seen, step))
+                    edits.append(Edit(step, int(mfis.ids[j]), known.copy(), after, seen, step))
                 surfaces[j] = after
     return replace(mfis, surfaces=surfaces, physical=physical), edits
 
@@ -198,7 +221,14 @@ def enter(
     known = (known_sd <= params.known_heading_sd) | (mfis.seen < step)
     ready = ~mfis.entered & (known | params.literal)
     edits = [
-        Edit(step, int(j) + 1, None, surfaces[j].copy(), sighting[j].copy(), int(sighted[j]))
+        Edit(
+            step,
+            int(mfis.ids[j]),
+            None,
+            surfaces[j].copy(),
+            sighting[j].copy(),
+            int(sighted[j]),
+        )
         for j in np.flatnonzero(ready)
     ]
     bettered = replace(
@@ -270,12 +300,12 @@ def transfer(
         if params.literal and _intersects(laid[i], mfis.surfaces, 0.0):
             continue  # Step 4, as written
         if match >= 0:
-            ids[i] = rows[match] + 1  # Step 5: the surface is not new
+            ids[i] = mfis.ids[rows[match]]  # Step 5: the surface is not new
             continue
         if not params.literal and _intersects(laid[i], mfis.surfaces, params.corner_slack):
             continue  # Step 4
         new_rows.append(int(i))
-        ids[i] = len(mfis) + len(new_rows)
+        ids[i] = mfis.last_id + len(new_rows)
     return _append(mfis, view, laid, new_rows, heading_sd, step, params), ids
 
 
@@ -319,4 +349,5 @@ def _append(
         np.concatenate((mfis.entered, np.zeros(len(rows), dtype=np.bool_))),
         np.concatenate((mfis.sighting, view.surfaces[rows])),
         np.concatenate((mfis.sighted, now)),
+        np.concatenate((mfis.ids, mfis.last_id + np.arange(1, len(rows) + 1))),
     )

@@ -142,6 +142,8 @@ class Transfer:
     """The end of a wall moves only for as much [m]. Ours: FINDINGS 3, walls grow else."""
     corner_slack: float = 0.25
     """Surfaces may cross this near their ends: corners do [m]. Ours: new walls lost at corners."""
+    most_forgotten: int = 1000
+    """So many forgotten surfaces may stay in the table [1]. Ours: bounds memory and cost."""
     literal: bool = False
     """Intersect test first and without slack, unlimited growth [1]. Thesis 3.4."""
 

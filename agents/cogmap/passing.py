@@ -193,7 +193,7 @@ def cut(memory: Memory, crossed: Exit, params: Params) -> Memory:
     """Algorithm 6 for the place just left, by the exit crossed; its surfaces are tagged."""
     stay, mfis = memory.stay, memory.mapping.mfis
     asr = _compute(memory, crossed, params)
-    new = np.asarray(asr.surfaces, dtype=np.int64) - 1
+    new = mfis.rows_of(np.asarray(asr.surfaces, dtype=np.int64))
     new = new[mfis.asr[new] == UNTAGGED]
     mapping = replace(memory.mapping, mfis=tag(mfis, new, stay.place))
     return replace(memory, mapping=mapping, network=memory.network.with_asr(asr))

@@ -76,7 +76,7 @@ def _recognise_by_names(memory: Memory, params: Params) -> Memory:
     stay, mapping = memory.stay, memory.mapping
     if stay.known or not stay.entry:
         return memory.with_stay(settled=True)
-    rows = np.unique(mapping.ids[mapping.ids > 0]) - 1
+    rows = mapping.mfis.rows_of(np.unique(mapping.ids[mapping.ids > 0]))
     tags = mapping.mfis.asr[rows]
     named = np.bincount(tags[tags > 0], minlength=1)
     named[min(stay.came_from, len(named) - 1)] = 0
