@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from agents.cogmap.crossing import find_crossing, look_from, looks, seen_after_crossing
 from agents.cogmap.params import Boundary
-from cogmap_gym.geometry import NO_SEGMENTS, Pose, lengths
+from cogmap_gym.geometry import NO_SEGMENTS, Points, Pose, lengths
 
 SLACK = Boundary().exit_slack
 DOOR = np.array([[4.0, -0.5], [4.0, 0.5]])
@@ -100,3 +101,29 @@ def test_crossings_move_rigidly() -> None:
     np.testing.assert_allclose(move.apply(here.point), there.point)
     np.testing.assert_allclose(move.apply(here.path), there.path)
     np.testing.assert_allclose(move.apply(here.exit), there.exit)
+
+
+def test_a_sight_over_what_was_never_seen_to_be_free_is_none() -> None:
+    wall = np.array([[[3.5, 2.0], [-3.0, 2.0]]])
+    crossing = find_crossing(PATH, DOOR, SLACK)
+    eyes = looks(crossing.path, None, Boundary())
+
+    def rows(free: bool, params: Boundary) -> int:
+        def seen(points: Points) -> NDArray[np.bool_]:
+            return np.full(len(points), free)
+
+        return len(look_from(eyes, wall, crossing.exit, NO_SEGMENTS, params, seen).rows)
+
+    assert rows(free=True, params=Boundary()) > 0
+    assert rows(free=False, params=Boundary()) == 0
+    assert rows(free=False, params=Boundary.literal()) > 0
+
+
+def test_a_space_is_looked_at_from_where_it_was_looked_at_before_too() -> None:
+    path = find_crossing(PATH, DOOR, SLACK).path
+    own = looks(path, None, Boundary())
+    far, near = np.array([[-2.0, 1.5]]), own[:1] + 0.1
+    assert np.array_equal(looks(path, np.concatenate((far, near)), Boundary())[len(own) :], far)
+    assert np.array_equal(looks(path, far, Boundary.literal()), own)
+    many = np.stack((np.arange(0.0, 100.0, 0.8), np.full(125, 9.0)), axis=-1)
+    assert len(looks(path, many, Boundary())) <= 2 * Boundary().max_looks

@@ -10,7 +10,9 @@ from agents.cogmap.curiosity import (
     follow_gaps,
     follow_walls,
     lead_points,
+    not_yet_squarely,
     see_free,
+    wall_pieces,
     worth_coming_back,
 )
 from agents.cogmap.exits import Exit
@@ -103,3 +105,19 @@ def test_a_wall_is_looked_at_from_its_free_side_wherever_the_origin_is() -> None
 def test_what_is_done_is_no_place_to_go() -> None:
     leads = Leads(gaps=AHEAD, dim=segments((0, 0, 1, 0)), done=np.array([[5.2, 0.0]]))
     assert lead_points(leads, PARAMS)[1] == pytest.approx(np.array([[0.5, P.stand]]))
+
+
+def test_a_wall_is_seen_squarely_only_with_room_for_both_jambs_in_view() -> None:
+    wall = segments((0.375, 1.0, -0.375, 1.0))
+    facing = Pose(0.0, 0.0, np.pi / 2)
+    assert len(not_yet_squarely(wall, facing, SYMMETRIC, P)) == 0
+    aside = Pose(0.0, 0.0, 0.3)
+    assert len(not_yet_squarely(wall, aside, SYMMETRIC, P)) == 1, "its left jamb is behind"
+    assert len(not_yet_squarely(wall, Pose(4.0, 0.8, np.pi), SYMMETRIC, P)) == 1, "too flat"
+
+
+def test_short_sides_of_a_boundary_are_searched_too() -> None:
+    sides = segments((0, 0, 0.5, 0), (0, 1, 3, 1), (0, 2, 0.2, 2))
+    pieces = wall_pieces(sides, P)
+    assert len(pieces) == 1 + 4
+    assert np.array_equal(pieces[-1], sides[0])

@@ -7,13 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from agents.cogmap.asr import ASR
 from agents.cogmap.exits import NOWHERE, Exit
 from agents.cogmap.false_exits import doubt_exit, parts, rejoin
 from agents.cogmap.free_space import Cells, cells_of
+from agents.cogmap.mapper import BLANK
 from agents.cogmap.memory import NEWBORN, Leads, Mark, Memory
+from agents.cogmap.mfis import EMPTY_MFIS, MFIS
 from agents.cogmap.navigator import sample_surfaces
 from agents.cogmap.params import Params
-from cogmap_gym.geometry import Pose, Segments
+from agents.cogmap.places import Network
+from cogmap_gym.geometry import Points, Pose, Segments
 from tests.simulated import segments
 
 P = Params()
@@ -127,3 +131,39 @@ def test_beyond_an_exit_that_parts_nothing_the_robot_is_still_in_the_place_it_le
 def test_beyond_a_door_the_robot_stays_in_the_new_place() -> None:
     memory = beyond(WALL)
     assert rejoin(memory, P) is memory
+
+
+def round_the_wall(path: Points, looks: Points) -> Memory:
+    """In the provisional place 2, come from 1 by a door; where 1 was looked at from is known."""
+    memory = beyond(WALL)
+    ring = np.array([[-4, -3], [0, -3], [0, 3], [-4, 3.0]])
+    ids = np.arange(0)
+    left = ASR(1, ring, ids, ids, np.zeros((0, 2)), np.zeros((0, 2, 2)), looks)
+    walls = replace(BLANK, mfis=mfis_of(WALL))
+    return replace(
+        memory, mapping=walls, network=Network((left,), 2), stay=replace(memory.stay, path=path)
+    )
+
+
+def mfis_of(surfaces: Segments) -> MFIS:
+    count = len(surfaces)
+    return replace(
+        EMPTY_MFIS,
+        surfaces=surfaces,
+        asr=np.ones(count, dtype=np.int64),
+        ids=np.arange(1, count + 1),
+    )
+
+
+def test_a_robot_that_came_back_into_the_place_it_left_by_no_exit_is_still_there() -> None:
+    path = np.array([[0.4, 2.5], [1.0, 0.0], [-1.0, 0.0], [-1.5, 0.0], [-2.0, 0.0]])
+    assert rejoin(round_the_wall(path, np.zeros((0, 2))), P).stay.place == 1
+    assert rejoin(round_the_wall(path[:2], np.zeros((0, 2))), P).stay.place == 2
+
+
+def test_a_spot_stood_on_before_is_in_the_same_place_unless_a_wall_is_between() -> None:
+    path = np.array([[0.4, 2.5], [0.6, 0.5], [0.6, 0.5]])
+    near = np.array([[1.2, 0.5]])
+    behind = np.array([[-0.2, 0.5]])
+    assert rejoin(round_the_wall(path, near), P).stay.place == 1
+    assert rejoin(round_the_wall(path, behind), P).stay.place == 2

@@ -21,6 +21,7 @@ from agents.cogmap.mfis import (
     recognise,
     tag,
     transfer,
+    without_dead,
 )
 from agents.cogmap.params import Landmarks, Transfer
 from agents.cogmap.view import EMPTY_VIEW, View
@@ -288,3 +289,13 @@ def test_all_rows_of_a_map_belong_together() -> None:
     columns = (mfis.physical, mfis.anchor, mfis.anchor_sd, mfis.heading_sd, mfis.born, mfis.seen)
     assert {len(column) for column in (mfis.surfaces, *columns, mfis.asr, mfis.ids)} == {3}
     assert lengths(mfis.surfaces).tolist() == [4.0, 3.0, 1.0]
+
+
+def test_forgotten_surfaces_leave_the_table_once_they_are_many_and_names_stay() -> None:
+    rows = segments(*((10.0 * k, 0, 10.0 * k + 2, 0) for k in range(6)))
+    mfis = tag(entered(seen(rows)).mfis, np.array([0, 2, 3, 5]), FORGOTTEN)
+    assert without_dead(mfis, np.array([3]), 3) is mfis
+    fewer = without_dead(mfis, np.array([3]), 2)
+    assert fewer.ids.tolist() == [2, 3, 5, 6], "what is in use stays, and the last name given"
+    assert np.array_equal(fewer.surfaces[fewer.rows_of(np.array([5, 2]))], rows[[4, 1]])
+    assert fewer.last_id == mfis.last_id
