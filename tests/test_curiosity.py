@@ -36,7 +36,7 @@ HALL = solid(corridor(20.0, 2.0))
 def test_a_gap_that_hides_something_waits_to_be_explored() -> None:
     leads = follow_gaps(Leads(), AHEAD, Pose(), (), P)
     assert np.array_equal(leads.gaps, AHEAD)
-    assert lead_points(leads, PARAMS)[0] == pytest.approx(np.array([[5.0, 0.0]]))
+    assert lead_points(leads, PARAMS) == pytest.approx(np.array([[5.0, 0.0]]))
 
 
 def test_a_gap_seen_again_is_one_gap_whatever_the_order() -> None:
@@ -78,7 +78,7 @@ def test_only_wide_gaps_are_worth_coming_back_for() -> None:
 def test_nothing_seen_leaves_nothing_to_explore() -> None:
     leads = follow_walls(Leads(), EMPTY_VIEW, Pose(), SYMMETRIC, (), P)
     leads = follow_gaps(leads, NO_SEGMENTS, Pose(), (), P)
-    assert [p.shape for p in lead_points(leads, PARAMS)] == [(0, 2), (0, 2)]
+    assert lead_points(leads, PARAMS).shape == (0, 2)
     assert len(see_free(leads, EMPTY_VIEW, Pose(), SYMMETRIC, P).seen) == 0
 
 
@@ -104,7 +104,7 @@ def test_a_wall_is_looked_at_from_its_free_side_wherever_the_origin_is() -> None
 
 def test_what_is_done_is_no_place_to_go() -> None:
     leads = Leads(gaps=AHEAD, dim=segments((0, 0, 1, 0)), done=np.array([[5.2, 0.0]]))
-    assert lead_points(leads, PARAMS)[1] == pytest.approx(np.array([[0.5, P.stand]]))
+    assert lead_points(leads, PARAMS) == pytest.approx(np.array([[0.5, P.stand]]))
 
 
 def test_a_wall_is_seen_squarely_only_with_room_for_both_jambs_in_view() -> None:

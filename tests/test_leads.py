@@ -35,29 +35,22 @@ def first_exit(memory: Memory) -> int | None:
     return None if way is None else way.id
 
 
-NEAR, FAR = segments((-5, 1, -5, -1)), segments((-40, 1, -40, -1))
+NEAR = segments((-5, 1, -5, -1))
 
 
-def test_a_robot_turns_back_for_a_gap_nearby_but_not_far_if_it_may_go_on() -> None:
-    assert first_exit(in_a_row(NEAR, None, onward=True)) == 1
-    assert first_exit(in_a_row(FAR, None, onward=True)) is None
-    assert first_exit(in_a_row(FAR, None, onward=False)) == 1
+def test_a_robot_turns_back_for_what_a_place_hides_only_if_it_cannot_go_on() -> None:
+    for gap, wall in ((NEAR, None), (None, NEAR)):
+        assert first_exit(in_a_row(gap, wall, onward=True)) is None
+        assert first_exit(in_a_row(gap, wall, onward=False)) == 1
 
 
-def test_it_does_not_turn_back_for_a_mere_wall_if_it_may_go_on() -> None:
-    assert first_exit(in_a_row(None, NEAR, onward=True)) is None
-    assert first_exit(in_a_row(None, NEAR, onward=False)) == 1
-
-
-def test_an_exit_never_crossed_is_worth_as_much_as_a_gap() -> None:
+def test_it_turns_back_for_an_exit_never_crossed() -> None:
     memory = in_a_row(None, None, onward=True)
-    near, far = (door(3, x, 1, 0, crossed=-1) for x in (-5.0, -40.0))
-    assert first_exit(replace(memory, book=(*memory.book, near))) == 1
-    assert first_exit(replace(memory, book=(*memory.book, far))) is None
+    assert first_exit(replace(memory, book=(*memory.book, door(3, -5.0, 1, 0, crossed=-1)))) == 1
 
 
 def test_where_nothing_is_left_nothing_is_unexplored() -> None:
     assert not unexplored(in_a_row(None, None, onward=True), P)
-    assert unexplored(in_a_row(NEAR, None, onward=True), P)
+    assert unexplored(in_a_row(NEAR, None, onward=False), P)
     here = in_a_row(None, None, onward=True)
     assert unexplored(here.with_leads(gaps=NEAR), P)

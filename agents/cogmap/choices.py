@@ -31,7 +31,7 @@ def choose(memory: Memory, view: View, params: Params) -> Intent:
     doubtful = _nearest_doubtful(memory, params)
     if doubtful is not None:
         return Intent(CHECK, doubtful.middle, doubtful.id)
-    gap = _best_gap(memory, np.concatenate(lead_points(memory.stay.leads, params)))
+    gap = _best_gap(memory, lead_points(memory.stay.leads, params))
     if gap is not None:
         return Intent(GAP, gap)
     return _onward(memory, params)

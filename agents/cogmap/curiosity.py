@@ -92,14 +92,13 @@ def follow_walls(
     return replace(leads, dim=dim[~_near(midpoints(dim), lit, params.piece)], lit=lit)
 
 
-def lead_points(leads: Leads, params: Params) -> tuple[Points, Points]:
-    """Where to go to see more of a place, in the MFIS: gaps (G, 2), and spots before walls (W, 2).
+def lead_points(leads: Leads, params: Params) -> Points:
+    """Where to go to see more of a place, (K, 2) in the MFIS: gaps, and spots before walls.
 
     Without what was reached or given up.
     """
-    gaps, spots = midpoints(leads.gaps), before_walls(leads.dim, params.curiosity)
-    same = params.exploration.same_target
-    return gaps[~_near(gaps, leads.done, same)], spots[~_near(spots, leads.done, same)]
+    points = np.concatenate((midpoints(leads.gaps), before_walls(leads.dim, params.curiosity)))
+    return points[~_near(points, leads.done, params.exploration.same_target)]
 
 
 def _near(points: Points, others: Points, distance: float) -> Bools:

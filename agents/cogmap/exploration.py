@@ -92,8 +92,7 @@ def _arrived(memory: Memory, params: Params) -> Memory:
     if intent is None or intent.kind != GAP:
         return memory
     near = float(np.hypot(*(intent.target - memory.pose.position))) < params.exploration.arrival
-    leads = np.concatenate(lead_points(memory.stay.leads, params))
-    hides = _about(leads, intent.target, params).any()
+    hides = _about(lead_points(memory.stay.leads, params), intent.target, params).any()
     if hides and not near:
         return memory
     return replace(_without(memory, intent.target), intent=None)

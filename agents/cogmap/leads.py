@@ -15,7 +15,8 @@ from cogmap_gym.geometry import Points
 def way_to_leads(memory: Memory, params: Params) -> Exit | None:
     """The first exit on the way to the nearest lead in another place, or None when all is known.
 
-    Leads are exits never crossed, and gaps and walls left unexplored.
+    Leads are exits never crossed, and gaps and walls left unexplored. For an exit a robot turns
+    back where it came in; for the others only if it cannot go on, or a lap would lose its sense.
     """
     at, here = memory.pose.position, memory.stay.place
     recent = memory.mapping.step - params.exploration.shut_for
@@ -26,11 +27,9 @@ def way_to_leads(memory: Memory, params: Params) -> Exit | None:
         or (e.given_up >= 0 and e.given_up > recent)
     )
     best: Route | None = None
-    for place, spot, wall in _spots(memory, params):
+    for place, spot, new_exit in _spots(memory, params):
         way = route(memory.book, at, here, spot, place, failed)
-        if way is None or not way.exits:
-            continue
-        if (wall or way.length > params.curiosity.turn_back) and _turns_back(memory, way, params):
+        if way is None or not way.exits or (not new_exit and _turns_back(memory, way, params)):
             continue
         if best is None or way.length < best.length:
             best = way
@@ -50,21 +49,21 @@ def _turns_back(memory: Memory, way: Route, params: Params) -> bool:
 
 def unexplored(memory: Memory, params: Params) -> bool:
     """Whether anything is left to explore, here or in a place that can be reached."""
-    here = any(len(points) for points in lead_points(memory.stay.leads, params))
+    here = len(lead_points(memory.stay.leads, params)) > 0
     return here or way_to_leads(memory, params) is not None
 
 
 def _spots(memory: Memory, params: Params) -> list[tuple[int, Points, bool]]:
-    """(place, a lead (2,) in it, whether it is a mere wall) of every other place that has any."""
+    """(place, a lead (2,) in it, whether that is an exit) of every other place that has any."""
     at = memory.pose.position
     spots: list[tuple[int, Points, bool]] = []
     for e in memory.book:
         if e.crossed < 0 and e.failures < params.exploration.max_failures and _real(e):
-            spots.extend((p, e.middle, False) for p in {e.left, e.right} if _known(memory, p))
+            spots.extend((p, e.middle, True) for p in {e.left, e.right} if _known(memory, p))
     for place, leads in memory.leads:
-        for points, wall in zip(lead_points(leads, params), (False, True), strict=True):
-            if len(points) and _known(memory, place):
-                spots.append((place, points[int(np.hypot(*(points - at).T).argmin())], wall))
+        points = lead_points(leads, params)
+        if len(points) and _known(memory, place):
+            spots.append((place, points[int(np.hypot(*(points - at).T).argmin())], False))
     return spots
 
 

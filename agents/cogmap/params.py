@@ -408,8 +408,6 @@ class Curiosity:
     """Longest drive of a robot that looks for exits [m]. Ours: two sights of each door."""
     search_steps: int = 60
     """Steps after which the search of a place ends [1]. Ours: a corridor of 30 m and back."""
-    turn_back: float = 15.0
-    """Who may go on turns back only for what is so near [m]. Ours: laps keep their sense."""
     stand: float = 0.8
     """A wall is looked at from so far before it [m]. Ours: the middle of a corridor."""
 
