@@ -15,6 +15,9 @@ import cogmap_gym  # noqa: F401 - registers the environments
 from agents.cogmap.agent import CogMapAgent
 from agents.cogmap.memory import NEWBORN, Leads
 from agents.cogmap.storage import read_memory, write_memory
+from agents.rollout import run_episode
+from cogmap_gym.geometry import Pose
+from cogmap_gym.observation import LaserSpec, RobotSpec
 
 ONWARD = """
 import sys
@@ -90,3 +93,55 @@ def test_what_places_still_hide_is_kept(tmp_path: Path) -> None:
             kept, had = (getattr(m.leads_of(place), f.name) for m in (back, memory))
             assert kept.dtype == had.dtype
             assert np.array_equal(kept, had)
+
+
+class SecondLife(CogMapAgent):
+    """A robot carried back home with the map of its first life."""
+
+    def __init__(self, path: Path) -> None:
+        self.path: Path | None = None
+        super().__init__()
+        self.path = path
+
+    def reset(self, robot: RobotSpec, laser: LaserSpec) -> None:
+        super().reset(robot, laser)
+        if self.path is not None:
+            self.load(self.path, at_home=True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("office", range(1001, 1004))
+def test_a_robot_put_back_at_home_goes_on_with_its_map_and_comes_home(
+    office: int, tmp_path: Path
+) -> None:
+    name = f"office:{office}"
+    first = CogMapAgent()
+    run_episode(gym.make("CogMap/Explore-v0", map=name, max_moves=150), first, 1)
+    first.save(tmp_path / "memory.npz")
+    known = len(first.memory.network.asrs)
+    second = SecondLife(tmp_path / "memory.npz")
+    env = gym.make("CogMap/GoHome-v0", map=name)
+    episode = run_episode(env, second, 2)
+    assert episode.info["is_success"]
+    rooms = len(env.unwrapped.plan.rooms)  # type: ignore[attr-defined]
+    assert known < len(second.memory.network.asrs) <= rooms + 1, "what it knew it maps no more"
+
+
+def test_a_robot_put_back_at_home_is_at_home_and_keeps_what_it_knew(tmp_path: Path) -> None:
+    env = gym.make("CogMap/Explore-v0", map="two_rooms")
+    agent = CogMapAgent()
+    seen, _ = env.reset(seed=3)
+    agent.reset(env.unwrapped.robot, env.unwrapped.laser)  # type: ignore[attr-defined]
+    for _ in range(25):
+        seen, *_ = env.step(agent.act(seen))
+    agent.save(tmp_path / "memory.npz")
+    before = agent.memory
+    agent.load(tmp_path / "memory.npz", at_home=True)
+    after = agent.memory
+    assert after.pose == Pose()
+    assert (after.stay.place, after.stay.known, after.intent) == (1, True, None)
+    assert len(after.network.asrs) == len(before.network.asrs)
+    assert {place for place, _ in after.leads} >= {before.stay.place}
+    seen, _ = env.reset(seed=4)
+    agent.act(seen)
+    assert np.hypot(*agent.memory.pose.position) < 0.1, "the first view agrees with the map"

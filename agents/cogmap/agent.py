@@ -14,7 +14,7 @@ from agents.cogmap.bounded_space import Openings, openings
 from agents.cogmap.exploration import explore
 from agents.cogmap.journeys import travel
 from agents.cogmap.lines import extract_view
-from agents.cogmap.memory import NEWBORN, Mark, Memory
+from agents.cogmap.memory import NEWBORN, Mark, Memory, back_home
 from agents.cogmap.mfis import Edit
 from agents.cogmap.params import Params
 from agents.cogmap.passing import leave, notice_crossing
@@ -86,13 +86,19 @@ class CogMapAgent:
         """Keep the memory in a file, whole or not at all."""
         write_memory(path, self.memory)
 
-    def load(self, path: str | Path) -> None:
+    def load(self, path: str | Path, *, at_home: bool = False) -> None:
         """Take up a memory kept by ``save``, after ``reset``; the next ``act`` goes on from it.
+
+        Args:
+            path: the file.
+            at_home: whether the robot now stands again where, and as, its life began; else it
+                stands where it stood when the memory was kept.
 
         Raises:
             ValueError: the file is no such memory; it names the file.
         """
-        self.memory = read_memory(path)
+        memory = read_memory(path)
+        self.memory = back_home(memory) if at_home else memory
 
     @property
     def edit_log(self) -> Sequence[Edit]:
@@ -102,7 +108,8 @@ class CogMapAgent:
 
 def _remember_mark(memory: Memory, mark_id: int) -> Memory:
     """Keep the present spot and its ASR under this number, when there is one."""
-    if mark_id == 0 or memory.mark(mark_id) is not None:
+    if mark_id == 0:
         return memory
     mark = Mark(mark_id, memory.stay.place, memory.pose.position)
-    return replace(memory, marks=(*memory.marks, mark))
+    others = (m for m in memory.marks if m.id != mark_id)
+    return replace(memory, marks=(*others, mark))

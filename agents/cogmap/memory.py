@@ -10,8 +10,11 @@ from numpy.typing import NDArray
 
 from agents.cogmap.association import Beams
 from agents.cogmap.exits import NOWHERE, Book, Exit
+from agents.cogmap.locate import NO_PAIRS
 from agents.cogmap.mapper import BLANK, Mapping
+from agents.cogmap.mfis import FORGOTTEN, UNTAGGED, tag
 from agents.cogmap.places import Network
+from agents.cogmap.view import EMPTY_VIEW
 from cogmap_gym.geometry import NO_SEGMENTS, Points, Pose, Segments
 
 NO_POINTS: Points = np.zeros((0, 2))
@@ -19,6 +22,8 @@ NO_POINTS.setflags(write=False)
 NO_CELLS: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
 NO_CELLS.setflags(write=False)
 
+FIRST_PLACE = 1
+"""The id of the place in which the robot's life begins."""
 LOOK, SPOT, EXIT, CHECK, GAP, MARK = "look", "spot", "exit", "check", "gap", "mark"
 """Kinds of intent: look round, go to a spot to look round, cross an exit, go before one seen once
 to see it again, reach a gap or a mark."""
@@ -187,12 +192,44 @@ def place_of(memory: Memory, mark: Mark) -> int:
     return mark.place if not holds or mark.place in holds else holds[0]
 
 
+def back_home(memory: Memory) -> Memory:
+    """The memory of a robot that was carried back to where, and as, its life began.
+
+    That is the origin of the MFIS, in its first place. Of the way there it knows nothing; what it
+    saw last, in a place it had not left yet, belongs to that place if it was known.
+    """
+    stay, mfis = memory.stay, memory.mapping.mfis
+    last = (mfis.born >= stay.began) & (mfis.asr == UNTAGGED)
+    mapping = replace(
+        memory.mapping,
+        mfis=tag(mfis, np.flatnonzero(last), stay.place if stay.known else FORGOTTEN),
+        mfis_from_robot=Pose(),
+        view=EMPTY_VIEW,
+        ids=NO_CELLS,
+        pairs=NO_PAIRS,
+    )
+    left = (*(x for x in memory.leads if x[0] != stay.place), (stay.place, stay.leads))
+    memory = replace(memory, mapping=mapping, obstacles=NO_POINTS, leads=left)
+    home = Stay(
+        FIRST_PLACE,
+        known=True,
+        entry=0,
+        came_from=NOWHERE,
+        began=mapping.step + 1,
+        path=NO_POINTS,
+        settled=True,
+        looked=True,
+        leads=memory.leads_of(FIRST_PLACE),
+    )
+    return replace(memory, stay=home, intent=None, route=None, journey=None, status="back home")
+
+
 NEWBORN = Memory(
     mapping=BLANK,
     obstacles=NO_POINTS,
     book=(),
     network=Network((), 1),
-    stay=Stay(1, False, 0, NOWHERE, 0, NO_POINTS),
+    stay=Stay(FIRST_PLACE, False, 0, NOWHERE, 0, NO_POINTS),
     path=np.zeros((0, 3)),
     travelled=0.0,
     departures=(),
