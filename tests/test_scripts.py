@@ -154,3 +154,13 @@ def test_a_run_prints_its_outcome_and_writes_a_picture_and_a_film(tmp_path: Path
     assert "success:" in said
     assert (tmp_path / "final.png").read_bytes().startswith(PNG)
     assert film.read_bytes().startswith(b"GIF")
+
+
+def test_endurance_tells_what_is_remembered_from_time_to_time(tmp_path: Path) -> None:
+    more = ("--map", "two_rooms", "--moves", 20, "--every", 10, "--out", tmp_path)
+    code, said = run("endurance.py", *more)
+    assert code == 0, said
+    rows = [json.loads(line) for line in (tmp_path / "endurance.jsonl").read_text().splitlines()]
+    assert [row["moves"] for row in rows] == [10, 20]
+    assert rows[1]["surfaces"] >= rows[0]["surfaces"] > 0
+    assert all(row["bytes"] > 0 and row["median_ms"] > 0.0 for row in rows)
