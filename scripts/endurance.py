@@ -3,8 +3,8 @@
 Usage: python scripts/endurance.py --map office:1003 --moves 20000 --out DIR
 
 Lets the robot explore for so many moves, long after it has seen all, and writes
-DIR/endurance.jsonl, a row every so many moves: how many surfaces, places and exits it remembers, the
-bytes of its saved memory, and the median CPU time of a step. Ctrl-C leaves the rows so far.
+DIR/endurance.jsonl, a row from time to time: how many surfaces, places and exits it remembers,
+the bytes of its saved memory, and the median CPU time of a step. Ctrl-C leaves the rows so far.
 """
 
 from __future__ import annotations
