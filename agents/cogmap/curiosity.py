@@ -39,15 +39,16 @@ def follow_gaps(leads: Leads, new: Segments, pose: Pose, book: Book, params: Cur
         params: distances.
 
     Returns:
-        The leads without the gaps that the robot is near to, which are done, and without those
-        behind which most has been seen by now.
+        The leads without the gaps that the robot is near to and faces, which are done, and without
+        those behind which most has been seen by now.
     """
-    at = pose.position
+    at, robot_from_mfis = pose.position, pose.inverse()
     new = new[~seen_through_exit(book, at, midpoints(new), params.beside_exit)]
     new = new[~_near(midpoints(new), leads.done, params.visited)]
     together = np.concatenate((leads.gaps, new))
     together = together[_hides(together, leads.seen, params)]
     near = np.hypot(*(midpoints(together) - at).T) <= params.visited
+    near &= robot_from_mfis.apply(midpoints(together))[:, 0] >= 0.0
     done = _thinned_points(np.concatenate((leads.done, midpoints(together[near]))), 0.1)
     return replace(leads, gaps=_thinned(together[~near], params.visited), done=done)
 

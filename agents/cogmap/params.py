@@ -230,8 +230,12 @@ class Passages:
     """Share of that which must be seen [1]. Ours: sparse beams."""
     wall_band: float = 0.2
     """Points so far beside its line are on the wall [m]. Ours: both faces of a wall."""
-    wall_slant: float = 0.3
-    """How that grows with the distance from the jamb [1]. Ours: doors met at a slant."""
+    wall_slant: float = 0.15
+    """How that grows with the distance from the jamb [1]. Ours: walls wave a little."""
+    max_slant: float = 0.3
+    """A doorway's wall is turned by as much against the path at most [rad]. Ours: 17 degrees."""
+    slant_step: float = 0.15
+    """From one turn that is tried to the next [rad]. Ours: 0.15 m at the wall's end."""
     literal: bool = False
     """Never look back [1]. Thesis 3.3 knows exits from views alone."""
 

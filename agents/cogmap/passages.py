@@ -39,10 +39,22 @@ def passages(path: Points, obstacles: Points, params: Passages) -> Segments:
         around = apart < params.wide_within
         if width[k] > width[around].min() or not _opens(width, apart, int(k), params):
             continue
-        line = _jambs(spots[k], headings[k], near, params)
-        if line is not None and _walled(line, near, params):
+        line = _across(spots[k], headings[k], near, params)
+        if line is not None:
             found.append(line)
     return np.stack(found[:1]) if found else NO_SEGMENTS
+
+
+def _across(spot: Points, heading: float, points: Points, params: Passages) -> Segments | None:
+    """The doorway (2, 2) at a spot, in line with its wall however slanted the path is."""
+    slants = np.arange(0.0, params.max_slant + 1e-9, params.slant_step)
+    for slant in np.concatenate(
+        (slants[:1], *zip(slants[1:], -slants[1:], strict=True)), axis=None
+    ):
+        line = _jambs(spot, heading + float(slant), points, params)
+        if line is not None and _walled(line, points, params):
+            return line
+    return None
 
 
 def _within(points: Points, stretch: Segments, far: float) -> Points:
@@ -105,14 +117,21 @@ def _jambs(spot: Points, heading: float, points: Points, params: Passages) -> Se
 
 
 def _walled(line: Segments, points: Points, params: Passages) -> bool:
-    """Whether a wall goes on beyond both jambs, in line with the doorway."""
-    u = (line[1] - line[0]) / np.hypot(*(line[1] - line[0]))
-    for jamb, outward in ((line[0], -u), (line[1], u)):
-        d = points - jamb
-        along = d @ outward
-        aside = np.abs(d @ np.array((-outward[1], outward[0])))
-        on = along[(aside < params.wall_band + params.wall_slant * np.abs(along)) & (along > 0.0)]
-        bins = np.unique((on[on < params.wall] / params.spacing).astype(np.int64))
-        if len(bins) < params.wall_share * params.wall / params.spacing:
-            return False
-    return True
+    """Whether a doorway's width lies between two jambs from which a wall goes on, in line."""
+    width = float(np.hypot(*(line[1] - line[0])))
+    if not params.min_width <= width <= params.max_width:
+        return False
+    u = (line[1] - line[0]) / width
+    return all(
+        _goes_on(jamb, outward, points, params) for jamb, outward in ((line[0], -u), (line[1], u))
+    )
+
+
+def _goes_on(jamb: Points, outward: Points, points: Points, params: Passages) -> bool:
+    """Whether a wall goes on from a jamb (2,) in this direction (2,)."""
+    d = points - jamb
+    along, aside = d @ outward, d @ np.array((-outward[1], outward[0]))
+    on = np.abs(aside) < params.wall_band + params.wall_slant * np.abs(along)
+    on &= (along > 0.0) & (along < params.wall)
+    bins = np.unique((along[on] / params.spacing).astype(np.int64))
+    return len(bins) >= params.wall_share * params.wall / params.spacing
