@@ -60,6 +60,7 @@ def test_every_environment_can_be_recorded(name: str, tmp_path: Path) -> None:
         made(name, max_moves=2), str(tmp_path / "films"), episode_trigger=lambda _: True
     )
     env.reset(seed=SEED)
+    env.action_space.seed(SEED)
     for _ in range(2):
         *_, truncated, _ = env.step(env.action_space.sample())
     assert truncated
