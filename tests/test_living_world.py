@@ -23,7 +23,8 @@ from cogmap_gym.dynamics import LEVELS
 from cogmap_gym.env import CogMapEnv
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Pose, point_segment_distances
-from cogmap_gym.living_world import Life, LivingWorld
+from cogmap_gym.life import Life
+from cogmap_gym.living_world import LivingWorld
 from cogmap_gym.observation import LaserSpec, RobotSpec
 from cogmap_gym.people import KEEP_OFF_M, RADIUS_M, Person
 from cogmap_gym.raycast import RayCaster
@@ -47,7 +48,7 @@ SQUARE = 0.25 * np.array(((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)))
 def hall(*boxes: Pose, people: tuple[Person, ...] = (), level: str = "people") -> LivingWorld:
     world = LivingWorld(FloorPlan.load(HALL), RobotSpec(), LEVELS[level])
     world.begin(np.random.default_rng(5))
-    world._life = Life(tuple(Box(SQUARE, pose) for pose in boxes), people, "", 20.0)
+    world._set_life(Life(tuple(Box(SQUARE, pose) for pose in boxes), people, "", 20.0))
     world._show()
     return world
 
