@@ -56,7 +56,8 @@ class LivingWorld(World):
         self.set_state(self.state())
         self._dynamics = dynamics
         self._spots = free_spots(self)
-        self._routes = Routes(self)
+        self.routes = Routes(self)
+        """The ways of the robot and of people."""
 
     _chance: np.random.Generator | None
 
@@ -206,7 +207,7 @@ class LivingWorld(World):
         """A way to some spot; empty where there is none now."""
         assert self._chance is not None, "people walk after begin"
         x, y = self._spots.points[self._chance.integers(len(self._spots.points))].tolist()
-        way = self._routes.way(Pose(*start), Pose(x, y))
+        way = self.routes.way(Pose(*start), Pose(x, y))
         return () if way is None else tuple((float(x), float(y)) for x, y in way[1:])
 
     def _tend_doors(self, seconds: float) -> None:
@@ -222,7 +223,7 @@ class LivingWorld(World):
             names = [n for n in self.plan.door_names if n not in self.shut_doors]
             name = names[chance.integers(len(names))] if names else ""
             about = (*self.box_outlines, places(life.people))
-            if not (name and may_shut(self, self._routes, name, about)):
+            if not (name and may_shut(self, self.routes, name, about)):
                 self._life = replace(life, change_in=RETRY_S)
                 return
             self.set_door(name, True)
