@@ -6,7 +6,7 @@ robot is at most 1 cm inside anything. Once in each round the environment is pic
 go on with the same bits. The memory of the process is read after each round.
 
 For example: ``soak.py --map thesis_office --map office:1000 --steps 100000 --out out/soak.json``.
-Ctrl-C ends it with what was seen so far.
+The file is written anew after each case, so that Ctrl-C leaves what was seen so far.
 """
 
 from __future__ import annotations
@@ -15,16 +15,18 @@ import gc
 import json
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
-from rich.progress import Progress
+from rich.progress import track
 
 from cogmap_gym import FloorPlan
 from cogmap_gym.saving import write_whole
 from cogmap_gym.soaking import cases, soak
 
 MAPS = ["thesis_office", "office:1000", "office:1001"]
+MOST_FAULTS = 5
+"""How many faults are told of one case in one round."""
 
 
 def resident() -> int:
@@ -44,24 +46,22 @@ def main(
 ) -> None:
     """Drive every environment at random, and write what was found as JSON."""
     plans = {m: FloorPlan.load(json.loads(m) if m.startswith("{") else m) for m in maps}
-    todo, deepest, found, memory, done = cases(plans), {}, [], [], 0
+    todo = cases(plans)
     each, begin = max(steps // (len(todo) * rounds), 1), time.perf_counter()
-    try:
-        with Progress() as progress:
-            for number, case in progress.track(list(enumerate(todo * rounds)), description="soak"):
-                told = soak(case.made(plans[case.map]), seed + number, each, deepest)
-                found += [f"{case}, seed {seed + number}: {fault}" for fault in told[:5]]
-                done += each
-                if (number + 1) % len(todo) == 0:
-                    memory.append(resident())
-    except KeyboardInterrupt:
-        print("interrupted")
-    seconds = round(time.perf_counter() - begin)
-    result = {"steps": done, "cases": len(todo), "seconds": seconds, "deepest_m": deepest}
-    text = json.dumps({**result, "memory_by_round_kb": memory, "faults": found}, indent=1)
+    told: dict[str, Any] = {"steps": 0, "of": each * len(todo) * rounds, "cases": len(todo)}
+    told |= {"seconds": 0, "deepest_m": {}, "memory_by_round_kb": [], "faults": []}
     out.parent.mkdir(parents=True, exist_ok=True)
-    print(text, write_whole(out, text.encode()))
-    raise typer.Exit(130 if done < each * len(todo) * rounds else int(bool(found)))
+    for number, case in track(list(enumerate(todo * rounds, 1)), description="soak"):
+        env, first = case.made(plans[case.map]), seed + number
+        found = soak(env, first, each, told["deepest_m"])[:MOST_FAULTS]
+        told["faults"] += [f"{case}, seed {first}: {fault}" for fault in found]
+        told["steps"] += each
+        told["seconds"] = round(time.perf_counter() - begin)
+        if number % len(todo) == 0:
+            told["memory_by_round_kb"].append(resident())
+        write_whole(out, json.dumps(told, indent=1).encode())
+    print(f"{json.dumps(told, indent=1)}\n{out}")
+    raise typer.Exit(int(bool(told["faults"])))
 
 
 if __name__ == "__main__":
