@@ -110,7 +110,8 @@ def _refused(
 ) -> bool:
     """Whether a step would bring person ``number`` too near to something, and nearer than now."""
     gap = math.hypot(then_x - robot[0], then_y - robot[1])
-    if gap < off and gap < math.hypot(x - robot[0], y - robot[1]):
+    touching = gap < off - KEEP_OFF_M  # round the robot, a corner would come where an edge was
+    if touching or (gap < off and gap < math.hypot(x - robot[0], y - robot[1])):
         return True
     for other in range(people.shape[0]):
         px, py = people[other, 0], people[other, 1]
