@@ -33,6 +33,8 @@ MAX_PIXELS = 2**24
 """Most pixels of an image [-]. Ours: 4096 x 4096, the largest map of many mapping programs."""
 MAX_FILE = 2**28
 """Largest image file [bytes]. Ours: 8 bytes a pixel."""
+MIN_CELL_M = 1e-6
+"""Least side of a pixel [m]. Ours: far below any plan, far above what squares to nothing."""
 MAX_SIDE_M = 500.0
 """Longest side of a plan [m]. Ours: cells of 0.1 m over it take some 100 MB."""
 ROS_FREE, PLAIN_FREE = 0.196, 0.1
@@ -80,8 +82,8 @@ def read_bitmap(description: Mapping[str, Any], folder: Path, origin: str) -> Bi
     if not isinstance(negate, int) or negate not in (0, 1):
         raise ValueError(f"{origin}: negate: expected 0 or 1, got {shown(negate)}")
     cell = _numbers(description[scale], 1, f"{origin}: {scale}")[0]
-    if cell <= 0.0:
-        raise ValueError(f"{origin}: {scale}: expected metres above 0, got {cell}")
+    if cell < MIN_CELL_M:
+        raise ValueError(f"{origin}: {scale}: expected {MIN_CELL_M:g} m or more, got {cell}")
     x, y, yaw = _numbers(description.get("origin", [0.0, 0.0, 0.0]), 3, f"{origin}: origin")
     path = _path(description["image"], folder, f"{origin}: image")
     pixels = _pixels(path, f"{origin}: image")

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 import pymunk
 
 from cogmap_gym.body import BODY, SOLID, Body
-from cogmap_gym.geometry import Points, Pose, Segments
+from cogmap_gym.geometry import Array, Points, Pose, Segments
 from cogmap_gym.observation import RobotSpec
 
 BOX_MASS = 0.03
@@ -19,6 +19,11 @@ CHAIR_CORNERS, CHAIR_RADIUS_M = 5, 0.25
 """The foot of a chair: a star's five corners [m]."""
 LEAST_M, MOST_M = 0.35, 0.55
 """Least and largest side of a box [m]."""
+DEEPEST_M = 0.004
+"""A push ends before anything is deeper than this in something else [m]. Ours: without, a robot
+that kept on driving at a jammed box went 3 mm farther into it with every move."""
+BOX_REACH_M = MOST_M / math.sqrt(2.0)
+"""No corner of a box or chair is farther from its middle than this [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,11 +34,12 @@ class Box:
     """Its corners (K, 2) in its own frame, convex, counter-clockwise [m]."""
     pose: Pose
     """Where it stands, ``plan_from_box``."""
+    outline: Points = field(init=False)
+    """Its corners (K, 2) in the plan's frame [m]."""
 
-    @property
-    def outline(self) -> Points:
-        """Its corners (K, 2) in the plan's frame [m]."""
-        return self.pose.apply(self.shape)
+    def __post_init__(self) -> None:
+        """Few boxes move at a time, so the corners are computed once."""
+        object.__setattr__(self, "outline", self.pose.apply(self.shape))
 
 
 def drawn_box(at: tuple[float, float], rng: np.random.Generator) -> Box:
@@ -48,10 +54,14 @@ def drawn_box(at: tuple[float, float], rng: np.random.Generator) -> Box:
     return Box(shape, Pose(*at, heading))
 
 
-def edges(outlines: Sequence[Points]) -> Segments:
+def edges(outlines: Sequence[Points] | Array) -> Segments:
     """The edges of some polygons (K, 2), (N, 2, 2) [m]."""
-    rings = [np.stack((ring, np.roll(ring, -1, axis=0)), axis=1) for ring in outlines]
-    return np.concatenate(rings) if rings else np.zeros((0, 2, 2))
+    if not len(outlines):
+        return np.zeros((0, 2, 2))
+    corners, ends = np.concatenate(outlines), np.cumsum([len(ring) for ring in outlines])
+    following = np.arange(1, len(corners) + 1)
+    following[ends - 1] = (0, *ends[:-1])
+    return np.stack((corners, corners[following]), axis=1)
 
 
 class PushingBody(Body):
@@ -62,30 +72,37 @@ class PushingBody(Body):
     Args:
         robot: radius and top speeds.
         segments: (N, 2, 2), all solid [m].
-        boxes: what can be pushed.
-        people: corners of each person, as they stand now.
+        boxes: what can be pushed, by number.
+        people: corners of each person, as they stand now, by number.
     """
 
     def __init__(
-        self, robot: RobotSpec, segments: Segments, boxes: Sequence[Box], people: Sequence[Points]
+        self,
+        robot: RobotSpec,
+        segments: Segments,
+        boxes: Mapping[int, Box],
+        people: Mapping[int, Points],
     ) -> None:
         """Put all in place, and the disc at the origin."""
         super().__init__(robot, segments)
         self._space.damping = 0.0  # each step forgets a box's velocity; contact gives it anew
-        self._boxes = tuple(boxes)
-        self._loose = [self._new_box(box) for box in boxes]
-        self._people = [self._new_person(corners) for corners in people]
+        self._boxes = dict(boxes)
+        self._loose = {number: self._new_box(box) for number, box in boxes.items()}
+        self._people = {number: self._new_person(corners) for number, corners in people.items()}
+        self._depth = 0.0
 
-    @property
-    def boxes(self) -> tuple[Box, ...]:
-        """The boxes where they are now."""
-        return tuple(map(_moved, self._boxes, self._loose))
+    def moved_boxes(self) -> dict[int, Box]:
+        """Those of the boxes that were moved since this was last asked, by number."""
+        now = {number: _moved(box, self._loose[number]) for number, box in self._boxes.items()}
+        moved = {number: box for number, box in now.items() if box is not self._boxes[number]}
+        self._boxes = now
+        return moved
 
-    def set_person(self, number: int, corners: Points) -> None:
-        """Somebody stands elsewhere now."""
-        shape = self._people[number]
-        shape.unsafe_set_vertices(corners.tolist())
-        self._space.reindex_shape(shape)
+    def set_people(self, outlines: Sequence[Points]) -> None:
+        """People stand elsewhere now; the outlines are those of all of them, by number."""
+        for number, shape in self._people.items():
+            shape.unsafe_set_vertices(outlines[number].tolist())
+            self._space.reindex_shape(shape)
 
     def _new_box(self, box: Box) -> pymunk.Body:
         corners = box.shape.tolist()
@@ -103,10 +120,31 @@ class PushingBody(Body):
         return shape
 
     def _substep(self, ux: float, uy: float, left: float, touching: bool) -> tuple[float, bool]:
+        """As for a still world, but taken back where it would squeeze things into one another."""
         if not touching:
-            for body in self._loose:
+            self._depth = math.inf  # the first step moves nothing
+            for body in self._loose.values():
                 body.velocity, body.angular_velocity = (0.0, 0.0), 0.0
-        return super()._substep(ux, uy, left, touching)
+        before = [(body.position, body.angle) for body in self._loose.values()]
+        here, deepest = self._body.position, max(self._depth, DEEPEST_M)
+        left, opposed = super()._substep(ux, uy, left, touching)
+        self._depth = self._overlap()
+        if self._depth > deepest:
+            self._body.position = here
+            for body, (position, angle) in zip(self._loose.values(), before, strict=True):
+                body.position, body.angle = position, angle
+        return left, opposed or self._depth > deepest
+
+    def _overlap(self) -> float:
+        """How deep the robot or a box is in anything, at most [m]."""
+        depths = [0.0]
+
+        def note(arbiter: pymunk.Arbiter) -> None:
+            depths.extend(-point.distance for point in arbiter.contact_point_set.points)
+
+        for body in (self._body, *self._loose.values()):
+            body.each_arbiter(note)
+        return max(depths)
 
 
 def _moved(box: Box, body: pymunk.Body) -> Box:

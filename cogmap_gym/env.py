@@ -95,7 +95,8 @@ class CogMapEnv(gym.Env[Observation, Any]):
         self._start = self.world.state()
         course = course_of(task, experiment, unreachable)
         steps_a_move = 1 if control == "move" else STEPS_A_MOVE
-        self.task = Task(course, self.world, self.laser, steps_a_move)
+        routes = self.world.routes if isinstance(self.world, LivingWorld) else None
+        self.task = Task(course, self.world, self.laser, steps_a_move, routes=routes)
         self.max_moves = most_moves(max_moves, steps_a_move * course.most_moves(self.plan))
         self._scanner = Laser(self.world.caster, self.laser)
         self._bound = odometry_bound(self.robot, self.odometry)

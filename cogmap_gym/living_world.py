@@ -9,21 +9,21 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
-from cogmap_gym.body import Motion
-from cogmap_gym.boxes import Box, PushingBody, edges
+from cogmap_gym.body import Body, Motion
+from cogmap_gym.boxes import BOX_REACH_M, PushingBody, edges
+from cogmap_gym.door_schedule import OPEN_S, RETRY_S, SHUT_S, may_shut
 from cogmap_gym.dynamics import Dynamics
-from cogmap_gym.events import Event
 from cogmap_gym.floor_plan import FloorPlan
-from cogmap_gym.geometry import Points, Pose, point_segment_distances
+from cogmap_gym.geometry import NO_SEGMENTS, Points, Pose, point_segment_distances
+from cogmap_gym.life import Life, LivingState
 from cogmap_gym.living_layout import drawn_boxes, drawn_people, free_spots
 from cogmap_gym.moving_rays import MovingCaster
 from cogmap_gym.observation import RobotSpec
-from cogmap_gym.people import Person, Point, Surroundings, walk
+from cogmap_gym.people import RADIUS_M, SPEED, Point, Surroundings, outlines, places, walk
 from cogmap_gym.routes import Routes
 from cogmap_gym.world import World, WorldState
 
@@ -31,37 +31,11 @@ SLICE_S = 0.1
 """How long people walk before they look about again, at most [s]."""
 LEAST_MOVE_S = 0.5
 """Time that passes at least in a move, so that one who waits sees others pass [s]."""
-NEAR_M = 1.5
-"""What lies this far beyond the longest move cannot matter to it [m]."""
-SHUT_S, OPEN_S = (10.0, 30.0), (15.0, 45.0)
-"""Least and longest time for which a door stays shut, and all stay open [s]."""
-RETRY_S = 1.0
-"""When a door that could not shut is thought of again [s]."""
-BESIDE_DOOR_M = 0.6
-"""A door may shut by itself where one can walk from this far before it to as far behind [m]."""
-CLEAR_OF_DOORS_M = 0.6
-"""A door waits while somebody, or a box's corner, is nearer to it than this [m]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Life:
-    """Where all is that moves by itself or by a push."""
-
-    boxes: tuple[Box, ...] = ()
-    people: tuple[Person, ...] = ()
-    shut: str = ""
-    """The door that is shut for a while; empty: none."""
-    change_in: float = 0.0
-    """When the next door shuts or that one opens [s]."""
-
-
-@dataclass(frozen=True, slots=True)
-class LivingState(WorldState):
-    """All that changes, and the chance that is to come."""
-
-    life: Life = field(default_factory=Life)
-    chance: Any = None
-    """State of the bit generator; None: nothing is drawn yet."""
+TOUCH_M = 0.05
+"""Room within which the body's physics may look beyond its way [m]."""
+NEAR_M = 3.0
+"""What lies this far beyond the end of a move cannot be moved by it: the boxes that the robot
+pushes at once reach less far [m]."""
 
 
 class LivingWorld(World):
@@ -76,12 +50,14 @@ class LivingWorld(World):
     def __init__(self, plan: FloorPlan, robot: RobotSpec, dynamics: Dynamics) -> None:
         """Nothing moves before ``begin``."""
         self._life, self._chance = Life(), None
+        self._box_edges, self._box_places = NO_SEGMENTS, np.zeros((0, 2))
         super().__init__(plan, robot)
         self.caster: MovingCaster = MovingCaster(self.fixed_segments, self.movable_segments)
         self.set_state(self.state())
         self._dynamics = dynamics
         self._spots = free_spots(self)
-        self._routes = Routes(self)
+        self.routes = Routes(self)
+        """The ways of the robot and of people."""
 
     _chance: np.random.Generator | None
 
@@ -93,7 +69,7 @@ class LivingWorld(World):
     @property
     def people_outlines(self) -> tuple[Points, ...]:
         """The corners of each person, (K, 2) [m]."""
-        return tuple(person.outline for person in self._life.people)
+        return tuple(outlines(self._life.people))
 
     def begin(self, rng: np.random.Generator) -> None:
         """Fill the office anew, clear of the robot; all chance comes from ``rng``."""
@@ -101,7 +77,7 @@ class LivingWorld(World):
         here = self.pose.position
         boxes = drawn_boxes(self.plan, self._spots, here, level.box_area, rng)
         people = drawn_people(self.plan, self._spots, here, boxes, level.person_area, rng)
-        self._life = Life(boxes, people, "", float(rng.uniform(*OPEN_S)))
+        self._set_life(Life(boxes, people, "", float(rng.uniform(*OPEN_S))))
         self._show()
 
     def state(self) -> LivingState:
@@ -114,7 +90,7 @@ class LivingWorld(World):
         """Go back to a state that ``state`` gave."""
         super().set_state(state)
         if isinstance(state, LivingState):
-            self._life = state.life
+            self._set_life(state.life)
             if state.chance is not None:
                 assert self._chance is not None, "a state with chance comes after begin"
                 self._chance = copy.deepcopy(self._chance)
@@ -126,37 +102,66 @@ class LivingWorld(World):
 
         People walk meanwhile.
         """
-        body, robot = self._pushing_body(), self.robot
+        robot = self.robot
         turning, driving = abs(turn) / robot.max_turn_rate, abs(forward) / robot.max_speed
-        self._pass_time(max(turning, LEAST_MOVE_S - driving), body)
-        motions = [body.move(turn, 0.0)]
+        self._pass_time(max(turning, LEAST_MOVE_S - driving))
+        body, motions = self._body, [self._body.move(turn, 0.0)]
         slices = math.ceil(driving / SLICE_S)
-        for _ in range(slices):
-            self._walk(driving / slices, body)
-            motions.append(body.move(0.0, forward / slices))
+        for number in range(slices):
+            self._walk(driving / slices)
+            step = forward / slices
+            body = self._body_for(abs(step), abs(forward) - number * abs(step), body)
+            motions.append(body.move(0.0, step))
+            self._keep(body)
             if motions[-1].bump:
                 break
-        return self._end(body, motions, turning + driving)
+        return self._end(motions, turning + driving)
 
     def drive(self, v: float, omega: float) -> Motion:
         """Drive at ``v`` [m/s] turning at ``omega`` [rad/s] for one velocity step."""
-        body, seconds = self._pushing_body(), self.robot.velocity_step
-        self._pass_time(seconds, body)
-        return self._end(body, [body.drive(v, omega)], seconds)
+        seconds = self.robot.velocity_step
+        self._pass_time(seconds)
+        body = self._body_for(abs(v) * seconds, abs(v) * seconds, self._body)
+        motion = body.drive(v, omega)
+        self._keep(body)
+        return self._end([motion], seconds)
 
-    def _pushing_body(self) -> PushingBody:
-        """The physics of one step: made anew, so that it remembers nothing."""
-        solid, here = self.solid_segments, self.pose
-        gaps = point_segment_distances(here.position[None], solid)[0]
-        near = solid[gaps < self.robot.max_forward + NEAR_M]
-        body = PushingBody(self.robot, near, self._life.boxes, self.people_outlines)
-        body.pose = here
-        return body
+    def _body_for(self, step: float, left: float, body: Body) -> Body:
+        """The physics of the next ``step`` [m] of a move of which ``left`` [m] are to come.
 
-    def _end(self, body: PushingBody, motions: Sequence[Motion], seconds: float) -> Motion:
+        It is the still world's as long as nothing that moves is within reach. Else it is made
+        anew, so that it remembers nothing, and serves until the move ends.
+        """
+        if isinstance(body, PushingBody):
+            body.set_people(self.people_outlines)
+            return body
+        here = self.pose.position
+        to_boxes = np.hypot(*(self._box_places - here).T)
+        to_people = np.hypot(*(places(self._life.people) - here).T)
+        reach, far = self.robot.radius + step + TOUCH_M, left + NEAR_M
+        if (to_boxes >= reach + BOX_REACH_M).all() and (to_people >= reach + RADIUS_M).all():
+            return body
+        solid, boxes, people = self.solid_segments, self._life.boxes, self.people_outlines
+        walls = solid[point_segment_distances(here[None], solid)[0] < far]
+        near = np.flatnonzero(to_boxes < far).tolist()
+        met = np.flatnonzero(to_people < far + left * SPEED / self.robot.max_speed).tolist()
+        pushing = PushingBody(
+            self.robot, walls, {k: boxes[k] for k in near}, {k: people[k] for k in met}
+        )
+        pushing.pose = self.pose
+        return pushing
+
+    def _keep(self, body: Body) -> None:
+        """Write down where the body and what it pushed are now."""
+        if isinstance(body, PushingBody):
+            self._body.pose = body.pose
+            moved = body.moved_boxes()
+            if moved:
+                boxes = tuple(moved.get(k, box) for k, box in enumerate(self._life.boxes))
+                self._set_life(replace(self._life, boxes=boxes))
+
+    def _end(self, motions: Sequence[Motion], seconds: float) -> Motion:
         """Write down what the step brought about."""
-        self._body.pose = body.pose
-        self._life = replace(self._life, boxes=body.boxes)
         if self._dynamics.doors:
             self._tend_doors(seconds)
         self._show()
@@ -168,34 +173,41 @@ class LivingWorld(World):
             np.concatenate(path),
         )
 
-    def _show(self) -> None:
-        self.caster.moving = edges((*self.box_outlines, *self.people_outlines))
+    def _set_life(self, life: Life) -> None:
+        """Begin or change the life, and where boxes are."""
+        if life.boxes is not self._life.boxes:
+            self._box_edges = edges([box.outline for box in life.boxes])
+            centres = [(box.pose.x, box.pose.y) for box in life.boxes]
+            self._box_places = np.array(centres, dtype=np.float64).reshape(-1, 2)
+        self._life = life
 
-    def _pass_time(self, seconds: float, body: PushingBody) -> None:
+    def _show(self) -> None:
+        """Let the laser see what moves where it is now."""
+        self.caster.moving = np.concatenate((self._box_edges, edges(outlines(self._life.people))))
+
+    def _pass_time(self, seconds: float) -> None:
         slices = math.ceil(seconds / SLICE_S)
         for _ in range(slices):
-            self._walk(seconds / slices, body)
+            self._walk(seconds / slices)
 
-    def _walk(self, seconds: float, body: PushingBody) -> None:
+    def _walk(self, seconds: float) -> None:
         """Let everybody walk, one after the other."""
         people = list(self._life.people)
         if not people:
             return
-        solid, boxes = self.solid_segments, edges([box.outline for box in body.boxes])
-        robot = float(body.pose.x), float(body.pose.y)
+        here, at = self.pose, places(people)
+        solid, boxes = self.solid_segments, self._box_edges
+        about = Surroundings((here.x, here.y), self.robot.radius, at, solid, boxes)
         for number, person in enumerate(people):
-            others = np.array([(p.at, p.at) for k, p in enumerate(people) if k != number])
-            others = others.reshape(-1, 2, 2)
-            about = Surroundings(robot, self.robot.radius, others, solid, boxes)
-            people[number] = walk(person, seconds, about, self._new_way)
-            body.set_person(number, people[number].outline)
+            people[number] = walk(person, number, seconds, about, self._new_way)
+            at[number] = people[number].at
         self._life = replace(self._life, people=tuple(people))
 
     def _new_way(self, start: Point) -> tuple[Point, ...]:
         """A way to some spot; empty where there is none now."""
         assert self._chance is not None, "people walk after begin"
         x, y = self._spots.points[self._chance.integers(len(self._spots.points))].tolist()
-        way = self._routes.way(Pose(*start), Pose(x, y))
+        way = self.routes.way(Pose(*start), Pose(x, y))
         return () if way is None else tuple((float(x), float(y)) for x, y in way[1:])
 
     def _tend_doors(self, seconds: float) -> None:
@@ -210,24 +222,12 @@ class LivingWorld(World):
         else:
             names = [n for n in self.plan.door_names if n not in self.shut_doors]
             name = names[chance.integers(len(names))] if names else ""
-            if not (name and self._may_shut(name)):
+            about = (*self.box_outlines, places(life.people))
+            if not (name and may_shut(self, self.routes, name, about)):
                 self._life = replace(life, change_in=RETRY_S)
                 return
             self.set_door(name, True)
             self._life = replace(life, shut=name, change_in=float(chance.uniform(*SHUT_S)))
-
-    def _may_shut(self, name: str) -> bool:
-        """Whether a door is clear, and no place is cut off without it."""
-        leaf = self.segment(name)
-        corners = (*self.box_outlines, *(np.array((p.at,)) for p in self._life.people))
-        gaps = [point_segment_distances(points, leaf).min() for points in corners]
-        if not Event("shut", name).is_clear(self) or min(gaps, default=9.0) < CLEAR_OF_DOORS_M:
-            return False
-        (a, b) = leaf[0]
-        normal = np.array((a[1] - b[1], b[0] - a[0])) / math.dist(a, b)
-        sides = [(a + b) / 2.0 + sign * BESIDE_DOOR_M * normal for sign in (1.0, -1.0)]
-        before, behind = (Pose(float(x), float(y)) for x, y in sides)
-        return math.isfinite(self._routes.distance(before, behind, self.shut_doors | {name}))
 
 
 def living_or_still(plan: FloorPlan, robot: RobotSpec, dynamics: Dynamics) -> World:

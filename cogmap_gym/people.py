@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from cogmap_gym.geometry import Points, Segments
+from cogmap_gym.geometry import Array, Points, Segments
 from cogmap_gym.raycast_kernel import compiled
 
 RADIUS_M = 0.25
@@ -25,6 +25,11 @@ DETOURS_RAD = (0.0, 0.7, -0.7, 1.4, -1.4)
 """Directions in which people try to get on, against that of their way [rad]."""
 CORNERS = 8
 """A person is this many corners to the laser and to the robot's body."""
+_ANGLES = math.tau * np.arange(CORNERS) / CORNERS
+RING = RADIUS_M * np.stack((np.cos(_ANGLES), np.sin(_ANGLES)), axis=-1)
+"""The corners of a person at the origin, (CORNERS, 2) [m]."""
+STUCK, ASIDE, ON, THERE = range(4)
+"""How a step came out: not at all, in another direction, straight on, up to the next point."""
 
 Point = tuple[float, float]
 
@@ -40,11 +45,15 @@ class Person:
     waited: float = 0.0
     """How long they could not get on [s]."""
 
-    @property
-    def outline(self) -> Points:
-        """The corners (CORNERS, 2) of what laser and robot meet [m]."""
-        angles = math.tau * np.arange(CORNERS) / CORNERS
-        return np.array(self.at) + RADIUS_M * np.stack((np.cos(angles), np.sin(angles)), axis=-1)
+
+def places(people: Sequence[Person]) -> Points:
+    """Where people are, (P, 2) [m]."""
+    return np.array([person.at for person in people], dtype=np.float64).reshape(-1, 2)
+
+
+def outlines(people: Sequence[Person]) -> Array:
+    """The corners of what laser and robot meet of each, (P, CORNERS, 2) [m]."""
+    return np.asarray(places(people)[:, None] + RING)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,29 +64,12 @@ class Surroundings:
     """Where the robot is [m]."""
     robot_radius: float
     """Radius of its body [m]."""
-    others: Segments
-    """Where the other people are, as segments of no length (P, 2, 2) [m]."""
+    people: Points
+    """Where everybody is, they too (P, 2) [m]."""
     solid: Segments
     """Walls, furniture, shut doors, (N, 2, 2) [m]."""
     boxes: Segments
     """Edges of boxes, (M, 2, 2) [m]."""
-
-    def refuse(self, now: Point, then: Point) -> bool:
-        """Whether a step would bring a person too near to something, and nearer than it is."""
-        off = RADIUS_M + self.robot_radius + KEEP_OFF_M
-        if math.dist(then, self.robot) < min(off, math.dist(now, self.robot)):
-            return True
-        return (
-            _nearer(now, then, self.others, 2.0 * RADIUS_M + GAP_M)
-            or _nearer(now, then, self.solid, RADIUS_M - GAP_M)  # ways touch corners, nearly
-            or _nearer(now, then, self.boxes, RADIUS_M + GAP_M)
-        )
-
-
-def _nearer(now: Point, then: Point, segments: Segments, least: float) -> bool:
-    """Whether a step ends nearer than ``least`` to some segment, and nearer than it began."""
-    gap = least_gap(then[0], then[1], segments, least)
-    return bool(gap < least and gap < least_gap(now[0], now[1], segments, least))
 
 
 @compiled
@@ -94,8 +86,75 @@ def least_gap(x: float, y: float, segments: Segments, most: float) -> float:
     return math.sqrt(best)
 
 
+@compiled
+def _nearer(
+    x: float, y: float, then_x: float, then_y: float, segments: Segments, least: float
+) -> bool:
+    """Whether a step ends nearer than ``least`` to some segment, and nearer than it began."""
+    gap = least_gap(then_x, then_y, segments, least)
+    return gap < least and gap < least_gap(x, y, segments, least)
+
+
+@compiled
+def _refused(
+    x: float,
+    y: float,
+    then_x: float,
+    then_y: float,
+    off: float,
+    robot: Point,
+    people: Points,
+    number: int,
+    solid: Segments,
+    boxes: Segments,
+) -> bool:
+    """Whether a step would bring person ``number`` too near to something, and nearer than now."""
+    gap = math.hypot(then_x - robot[0], then_y - robot[1])
+    touching = gap < off - KEEP_OFF_M  # round the robot, a corner would come where an edge was
+    if touching or (gap < off and gap < math.hypot(x - robot[0], y - robot[1])):
+        return True
+    for other in range(people.shape[0]):
+        px, py = people[other, 0], people[other, 1]
+        gap = math.hypot(then_x - px, then_y - py)
+        if other != number and gap < 2.0 * RADIUS_M + GAP_M and gap < math.hypot(x - px, y - py):
+            return True
+    return (
+        _nearer(x, y, then_x, then_y, solid, RADIUS_M - GAP_M)  # ways touch corners, nearly
+        or _nearer(x, y, then_x, then_y, boxes, RADIUS_M + GAP_M)
+    )
+
+
+@compiled
+def _step(
+    x: float,
+    y: float,
+    goal: Point,
+    step: float,
+    off: float,
+    robot: Point,
+    people: Points,
+    number: int,
+    solid: Segments,
+    boxes: Segments,
+) -> tuple[float, float, int]:
+    """Where person ``number`` at (x, y) is after ``step`` [m], and how that came out."""
+    gx, gy = goal
+    if math.hypot(gx - x, gy - y) <= step:
+        if _refused(x, y, gx, gy, off, robot, people, number, solid, boxes):
+            return x, y, STUCK
+        return gx, gy, THERE
+    heading = math.atan2(gy - y, gx - x)
+    for detour in DETOURS_RAD:
+        then_x = x + step * math.cos(heading + detour)
+        then_y = y + step * math.sin(heading + detour)
+        if not _refused(x, y, then_x, then_y, off, robot, people, number, solid, boxes):
+            return then_x, then_y, ON if detour == 0.0 else ASIDE
+    return x, y, STUCK
+
+
 def walk(
     person: Person,
+    number: int,
     seconds: float,
     about: Surroundings,
     choose: Callable[[Point], tuple[Point, ...]],
@@ -104,22 +163,19 @@ def walk(
 
     Args:
         person: as they are.
+        number: which of the people in the surroundings they are.
         seconds: how long; short, for they look about once.
         about: what they heed.
         choose: a new way from a point.
     """
     if not person.way or person.waited >= PATIENCE_S:
         return Person(person.at, choose(person.at))
-    (x, y), (gx, gy) = person.at, person.way[0]
-    left, step = math.dist(person.at, person.way[0]), SPEED * seconds
-    if left <= step:
-        if about.refuse(person.at, (gx, gy)):
-            return replace(person, waited=person.waited + seconds)
-        return Person((gx, gy), person.way[1:])
-    heading = math.atan2(gy - y, gx - x)
-    for detour in DETOURS_RAD:
-        then = x + step * math.cos(heading + detour), y + step * math.sin(heading + detour)
-        if not about.refuse(person.at, then):
-            waited = 0.0 if detour == 0.0 else person.waited + seconds
-            return Person(then, person.way, waited)
-    return replace(person, waited=person.waited + seconds)
+    off = RADIUS_M + about.robot_radius + KEEP_OFF_M
+    x, y, how = _step(
+        *person.at, person.way[0], SPEED * seconds, off, about.robot,
+        about.people, number, about.solid, about.boxes,
+    )  # fmt: skip
+    if how == THERE:
+        return Person(person.way[0], person.way[1:])
+    waited = 0.0 if how == ON else person.waited + seconds
+    return Person((x, y), person.way, waited)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import io
+import json
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -13,6 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
+from cogmap_gym import plan_file
 from cogmap_gym.floor_plan import FloorPlan
 from tests.drawings import ARIA, FREE, VECTORMAP, WALL, two_rooms, write_ros
 
@@ -72,6 +75,7 @@ def loads_or_tells(source: Any) -> None:
         ("a.vectormap.txt", VECTORMAP.encode()),
         ("a.map", ARIA.encode()),
         ("map.yaml", ros_text()),
+        ("own.yaml", plan_file.find("two_rooms").read_bytes()),
     ],
 )
 def test_a_mutated_file_loads_or_is_told(name: str, content: bytes, tmp_path: Path) -> None:
@@ -82,6 +86,49 @@ def test_a_mutated_file_loads_or_is_told(name: str, content: bytes, tmp_path: Pa
     def fuzz(changed: bytes) -> None:
         (tmp_path / name).write_bytes(changed)
         loads_or_tells(tmp_path / name)
+
+    fuzz()
+
+
+ODD = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=4)
+    | st.sampled_from([1e308, -1e308, 0.0, 10**400]),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner),
+    max_leaves=4,
+)  # fmt: skip
+"""What a program may put where a number, a name or a list of points is expected."""
+
+
+@st.composite
+def spoilt(draw: st.DrawFn, plan: dict[str, Any]) -> dict[str, Any]:
+    """A mapping in which something, however deep, is something else."""
+    spoilt = inside = copy.deepcopy(plan)
+    while True:
+        key = draw(
+            st.sampled_from(sorted(inside) if isinstance(inside, dict) else range(len(inside)))
+        )
+        value = inside[key]
+        if not (isinstance(value, dict | list) and value and draw(st.booleans())):
+            inside[key] = draw(ODD)
+            return spoilt
+        inside = value
+
+
+@pytest.mark.parametrize("kind", ["plan", "picture"])
+def test_a_spoilt_mapping_loads_or_is_told(kind: str, tmp_path: Path) -> None:
+    Image.fromarray(SMALL).save(tmp_path / "hall.png")
+    picture = {
+        "image": str(tmp_path / "hall.png"), "metres_per_pixel": 0.1, "origin": [0.0, 0.0, 0.0],
+        "negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.1, "mode": "trinary",
+        "name": "hall", "home": [1.4, 1.4, 0.0],
+    }  # fmt: skip
+    plan = FloorPlan.load("two_rooms").to_mapping() if kind == "plan" else picture
+    plan = json.loads(json.dumps(plan))
+
+    @FUZZED
+    @given(spoilt(plan))
+    def fuzz(changed: dict[str, Any]) -> None:
+        loads_or_tells(changed)
 
     fuzz()
 

@@ -23,9 +23,10 @@ from cogmap_gym.dynamics import LEVELS
 from cogmap_gym.env import CogMapEnv
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Pose, point_segment_distances
-from cogmap_gym.living_world import Life, LivingWorld
+from cogmap_gym.life import Life
+from cogmap_gym.living_world import LivingWorld
 from cogmap_gym.observation import LaserSpec, RobotSpec
-from cogmap_gym.people import KEEP_OFF_M, RADIUS_M, Person
+from cogmap_gym.people import KEEP_OFF_M, RADIUS_M, Person, Surroundings, outlines, walk
 from cogmap_gym.raycast import RayCaster
 from tests.test_env import digest, in_haste  # noqa: F401 - a fixture
 
@@ -47,7 +48,7 @@ SQUARE = 0.25 * np.array(((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)))
 def hall(*boxes: Pose, people: tuple[Person, ...] = (), level: str = "people") -> LivingWorld:
     world = LivingWorld(FloorPlan.load(HALL), RobotSpec(), LEVELS[level])
     world.begin(np.random.default_rng(5))
-    world._life = Life(tuple(Box(SQUARE, pose) for pose in boxes), people, "", 20.0)
+    world._set_life(Life(tuple(Box(SQUARE, pose) for pose in boxes), people, "", 20.0))
     world._show()
     return world
 
@@ -88,6 +89,33 @@ def test_a_box_at_the_wall_stops_the_robot() -> None:
     assert world.pose.x == pytest.approx(10.0 - 0.5 - 0.25, abs=0.02)
     (outline,) = world.box_outlines
     assert outline[:, 0].max() < 10.01
+
+
+@pytest.mark.parametrize("seed", [1060, 1075, 1078])
+def test_a_robot_that_keeps_on_pushing_squeezes_nothing(seed: int) -> None:
+    """Into the corner, slanting: without a limit it came 5 cm into the box."""
+    rng = np.random.default_rng(seed)
+    (x, y), theta, ahead = rng.uniform(9.3, 9.65, 2), rng.uniform(-3.0, 3.0), rng.uniform(0.2, 1.3)
+    world, deepest = hall(Pose(x, y, theta)), 0.0
+    world.place(Pose(x - 0.9 * math.cos(ahead), y - 0.9 * math.sin(ahead), ahead))
+    for turn in rng.choice((0.0, 0.0, 0.1, -0.1), 40).tolist():
+        world.move(turn, 0.5)
+        gaps = point_segment_distances(world.pose.position[None], edges(world.box_outlines))
+        deepest = max(deepest, 0.25 - gaps.min(), world.box_outlines[0].max() - 10.0)
+    assert 0.0 < deepest < 0.005
+
+
+def test_somebody_whom_the_robot_touches_turns_no_corner_on_it() -> None:
+    """An edge is nearer to the middle than a corner: 0.48 m is contact, or 2 cm too near."""
+    robot, nothing = np.zeros((1, 2)), np.zeros((0, 2, 2))
+    for towards, start in itertools.product(np.arange(0.0, math.tau, 0.1), np.arange(8) + 0.5):
+        at = 0.483 * math.cos(start * math.tau / 8), 0.483 * math.sin(start * math.tau / 8)
+        goal = at[0] + 3.0 * math.cos(towards), at[1] + 3.0 * math.sin(towards)
+        person = Person(at, (goal,))
+        for _ in range(5):
+            about = Surroundings((0.0, 0.0), 0.25, np.array((person.at,)), nothing, nothing)
+            person = walk(person, 0, 0.1, about, lambda start: ())
+            assert point_segment_distances(robot, edges(outlines([person]))).min() > 0.249
 
 
 def test_a_box_that_is_not_touched_stays_to_the_bit() -> None:

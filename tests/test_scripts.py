@@ -164,3 +164,23 @@ def test_endurance_tells_what_is_remembered_from_time_to_time(tmp_path: Path) ->
     assert [row["moves"] for row in rows] == [10, 20]
     assert rows[1]["surfaces"] >= rows[0]["surfaces"] > 0
     assert all(row["bytes"] > 0 and row["median_ms"] > 0.0 for row in rows)
+
+
+def test_a_soak_tells_what_it_saw(tmp_path: Path) -> None:
+    out = tmp_path / "soak.json"
+    options = "--map", "two_rooms", "--steps", 120, "--rounds", 1, "--out", out
+    status, said = run("soak.py", *options)
+    assert status == 0, said
+    told = json.loads(out.read_text())
+    assert (told["cases"], told["steps"], told["faults"]) == (30, 120, [])
+    assert told["deepest_m"]["walls"] < 0.01
+
+
+def test_a_gallery_is_drawn(tmp_path: Path) -> None:
+    out = tmp_path / "gallery.png"
+    status, said = run("gallery.py", "--view", "two_rooms:busy", "--moves", 2, "--out", out)
+    assert status == 0, said
+    assert out.read_bytes().startswith(PNG)
+    status, said = run("gallery.py", "--view", "two_rooms:wild", "--out", out)
+    assert status == 2
+    assert "dynamics" in said

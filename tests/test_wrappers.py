@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 import pickle
-import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -13,7 +12,6 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from gymnasium.envs.registration import EnvSpec
-from gymnasium.utils.env_checker import check_env
 
 from cogmap_gym.env import CogMapEnv
 from cogmap_gym.geometry import Pose
@@ -69,24 +67,6 @@ def walk(env: gym.Env[Any, Any], count: int = 12) -> list[str]:
     steps = [digest(env.reset(seed=1003))]
     steps += [digest(env.step(env.action_space.sample())) for _ in range(count)]
     return [*steps, digest(env.reset(seed=1003))]
-
-
-@EACH
-def test_gymnasium_finds_no_fault_but_that_it_is_wrapped(control: str, wrap: Wrap) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        warnings.filterwarnings("ignore", message=".*different from the unwrapped version.*")
-        check_env(made(control, wrap))
-
-
-@EACH
-def test_stable_baselines_finds_no_fault(control: str, wrap: Wrap) -> None:
-    checker = pytest.importorskip(
-        "stable_baselines3.common.env_checker", reason="needs Stable-Baselines3, the extra 'rl'"
-    )
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        checker.check_env(made(control, wrap), warn=True)
 
 
 @EACH
