@@ -10,6 +10,8 @@ import gymnasium as gym
 
 from agents.base import Agent
 from agents.cogmap import CogMapAgent, Params
+from agents.frontier import FrontierAgent
+from agents.frontier.positions import DeadReckoning, TruePosition
 from agents.random_walk import RandomWalkAgent
 from agents.wall_follower import WallFollowerAgent
 from cogmap_gym.wrappers import TruePose
@@ -28,6 +30,8 @@ class Entry:
 AGENTS: dict[str, Entry] = {
     "random_walk": Entry(RandomWalkAgent),
     "wall_follower": Entry(lambda _: WallFollowerAgent()),
+    "frontier_odometry": Entry(lambda _: FrontierAgent(DeadReckoning())),
+    "frontier_oracle": Entry(lambda _: FrontierAgent(TruePosition()), knows_pose=True),
     "cogmap": Entry(lambda _: CogMapAgent()),
     "cogmap_literal": Entry(lambda _: CogMapAgent(Params.literal())),
 }
