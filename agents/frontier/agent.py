@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.frontier.driver import Move, move_towards
+from agents.frontier.flood_kernel import Prices
 from agents.frontier.grid import OccupancyGrid
 from agents.frontier.params import Params
-from agents.frontier.flood_kernel import Prices
+from agents.frontier.patrol import way_to_doubtful_wall, way_to_stale, way_to_unvisited
 from agents.frontier.planner import (
     Mask,
     Way,
@@ -20,7 +21,6 @@ from agents.frontier.planner import (
     prices,
     straight_reach,
     way_to,
-    way_to_oldest,
 )
 from agents.frontier.positions import PoseSource
 from agents.frontier.scans import clean_ranges, hits_in_robot
@@ -111,7 +111,7 @@ class FrontierAgent:
         way = self.way
         if way is None:
             self.status = "all known"
-            return self._patrol(price, self.now, nearest=False)
+            return self._patrol(way_to_unvisited(grid, price, self.pose.position))
         move = self._follow(way, price, self.params.driver.stride)
         if move.blocked or self._is_at(way.target):
             grid.ignored[grid.near(way.target, numbers.ignored)] = True
@@ -131,7 +131,7 @@ class FrontierAgent:
             price = self._prices()
         if self.way is None:
             self.status = "looking for a way"
-            return self._patrol(price, self.since, nearest=True)
+            return self._search(mark, price)
         move = self._follow(self.way, price, self.robot.max_forward)
         return self.robot.declare() if move.blocked and distance < driver.nearly else move.action
 
@@ -145,15 +145,23 @@ class FrontierAgent:
                 return replace(way, target=mark, through_unknown=through)
         return None
 
-    def _patrol(self, price: Prices, before: int, *, nearest: bool) -> Action:
-        """Look again at what was last seen before a step; declare if there is nothing such."""
-        way = way_to_oldest(self.grid, price, self.pose.position, before, nearest=nearest)
+    def _search(self, mark: Points, price: Prices) -> Action:
+        """Look again where a way may have opened; declare once there is nothing left."""
+        grid, here = self.grid, self.pose.position
+        way = way_to_doubtful_wall(
+            grid, self.params.planner, price, (here, mark), self.since
+        ) or way_to_stale(grid, price, here, self.since)
+        return self.robot.declare() if way is None else self._patrol(way)
+
+    def _patrol(self, way: Way | None) -> Action:
+        """One step of a way that leads to something to look at; what cannot be is given up."""
         if way is None:
-            return self.robot.declare()
-        move = self._follow(way, price, self.params.driver.stride)
-        if move.blocked:
-            radius = self.params.planner.ignored
-            self.grid.stamps[self.grid.near(way.target, radius)] = self.now
+            return self.robot.move(self.robot.max_turn, 0.0)
+        move = self._follow(way, self._prices(), self.params.driver.stride)
+        if move.blocked or self._is_at(way.points[-1]):
+            seen = self.grid.near(way.target, self.params.planner.ignored)
+            self.grid.stamps[seen] = self.grid.visits[seen] = self.now
+            self.grid.votes[seen] = np.where(self.grid.votes[seen] == 1, 2, self.grid.votes[seen])
         return move.action
 
     def _follow(self, way: Way, price: Prices, longest: float) -> Move:
@@ -181,8 +189,9 @@ class FrontierAgent:
 
     def _is_stale(self, price: Prices) -> bool:
         """Whether the way must be looked for anew."""
-        old = self.way is None or self.now - self.planned >= self.params.planner.replan
-        return old or not is_open(self.grid, price, self.way.ahead(self.pose.position))
+        if self.way is None or self.now - self.planned >= self.params.planner.replan:
+            return True
+        return not is_open(self.grid, price, self.way.ahead(self.pose.position))
 
     def _target_in(self, ends: Mask) -> bool:
         """Whether the way still leads to one of these cells."""

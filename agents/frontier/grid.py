@@ -37,6 +37,8 @@ class OccupancyGrid:
         """(H, W): above 0 occupied, below free, 0 never seen."""
         self.stamps = np.full((side, side), NEVER, dtype=np.int32)
         """(H, W): the step at which each cell was last seen."""
+        self.visits = np.full((side, side), NEVER, dtype=np.int32)
+        """(H, W): the step at which the robot last was near each cell and saw it."""
         self.clearance = np.full((side, side), self._cap, dtype=np.float32)
         """(H, W): distance to the nearest occupied cell, up to the cap [cells]."""
         self.ignored = np.zeros((side, side), dtype=np.bool_)
@@ -46,7 +48,8 @@ class OccupancyGrid:
 
     def clear(self) -> None:
         """Forget what was seen, but not what was tried."""
-        self.votes[:], self.stamps[:], self.clearance[:] = 0, NEVER, self._cap
+        self.votes[:], self.clearance[:] = 0, self._cap
+        self.stamps[:], self.visits[:] = NEVER, NEVER
 
     def wipe(self, point: Points, radius: float) -> None:
         """Forget what was seen within ``radius`` [m] of a point (2,)."""
@@ -76,9 +79,10 @@ class OccupancyGrid:
         place = (float(self.corner[0]), float(self.corner[1]), self.cell)
         view = (eye.x, eye.y, eye.theta)
         fan = (laser.first_angle, laser.step)
-        limits = (numbers.reach, numbers.margin)
+        limits = (numbers.reach, numbers.margin, numbers.near)
         carve(
-            self.votes, self.stamps, window, place, view, ranges, fan, limits, numbers.free, now
+            self.votes, self.stamps, self.visits, window, place, view, ranges, fan, limits,
+            numbers.free, now,
         )  # fmt: skip
         hit = (ranges > NO_EVIDENCE) & (ranges <= numbers.reach)
         rows, columns = self.cells(ends[hit])
@@ -110,7 +114,7 @@ class OccupancyGrid:
         """Where the body is nothing else can be."""
         under = self.near(robot.position, self._numbers.body)
         self.votes[under] = np.minimum(self.votes[under], -1)
-        self.stamps[under] = now
+        self.stamps[under] = self.visits[under] = now
 
     def _grown(self, window: Window) -> Window:
         """The window and all cells whose clearance depends on it."""
@@ -136,6 +140,7 @@ class OccupancyGrid:
         x, y = (cells * np.stack((before, after), axis=1)).astype(np.int64)
         self.votes = np.pad(self.votes, (y, x))
         self.stamps = np.pad(self.stamps, (y, x), constant_values=NEVER)
+        self.visits = np.pad(self.visits, (y, x), constant_values=NEVER)
         self.clearance = np.pad(self.clearance, (y, x), constant_values=self._cap)
         self.ignored = np.pad(self.ignored, (y, x))
         self.barred = np.pad(self.barred, (y, x), constant_values=NEVER)

@@ -21,12 +21,13 @@ Window = tuple[int, int, int, int]
 def carve(
     votes: Votes,
     stamps: Steps,
+    visits: Steps,
     window: Window,
     origin: tuple[float, float, float],
     eye: tuple[float, float, float],
     ranges: Array,
     fan: tuple[float, float],
-    limits: tuple[float, float],
+    limits: tuple[float, float, float],
     most: int,
     now: int,
 ) -> None:
@@ -35,18 +36,19 @@ def carve(
     Args:
         votes: (H, W), changed in place: above 0 occupied, below free, 0 never seen.
         stamps: (H, W), changed in place: the step at which a cell was last seen.
+        visits: (H, W), changed in place: the step at which the robot last was near a cell.
         window: the cells to look at.
         origin: x and y of the grid's corner, and the side of a cell [m].
         eye: pose of the laser in the grid's frame [m, rad].
         ranges: (beams,), 0 for no evidence [m].
         fan: the first beam's direction and the step to the next [rad].
-        limits: reach, and the margin by which a beam must end behind the cell [m].
+        limits: reach, the margin by which a beam must end behind the cell, and what is near [m].
         most: votes for being free never go beyond.
         now: number of this step.
     """
     x0, y0, cell = origin
     first, step = fan
-    reach, margin = limits
+    reach, margin, near = limits
     around = 0.75 * cell  # Half the diagonal of a cell, rounded up.
     for i in range(window[0], window[1]):
         dy = y0 + (i + 0.5) * cell - eye[1]
@@ -57,8 +59,8 @@ def carve(
                 continue
             bearing = (math.atan2(dy, dx) - eye[2] - first) % math.tau
             half = around / distance
-            low = int(math.floor((bearing - half) / step))
-            high = int(math.ceil((bearing + half) / step))
+            low = math.floor((bearing - half) / step)
+            high = math.ceil((bearing + half) / step)
             if low < 0 or high >= len(ranges):
                 continue
             free = True
@@ -68,6 +70,8 @@ def carve(
                 vote = votes[i, j] - 1
                 votes[i, j] = max(-most, vote if vote != 0 else -1)
                 stamps[i, j] = now
+                if distance < near:
+                    visits[i, j] = now
 
 
 @njit(cache=True)

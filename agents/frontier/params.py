@@ -18,6 +18,8 @@ class Grid:
     """A cell is free if all beams through it end at least this far behind it [m]: 4 sds."""
     body: float = 0.2
     """What is under the robot is free up to here from its centre [m]."""
+    near: float = 2.0
+    """What is seen from nearer than this has been visited [m]."""
     grow: float = 10.0
     """By how much the grid grows at a side where it is too small [m]."""
     occupied: int = 2
@@ -54,6 +56,10 @@ class Planner:
     """Where a way proved to be none, this much of it is barred [m]."""
     barred: int = 60
     """For so long [steps]."""
+    beside: float = 0.15
+    """A wall is seen from the free cells up to here from it [m]."""
+    behind: float = 0.5
+    """A door may open in a wall with known free space up to here behind it [m]."""
     replan: int = 4
     """Steps after which a way is looked for anew even if nothing is in it [steps]."""
 

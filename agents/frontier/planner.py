@@ -31,7 +31,7 @@ class Way:
     cost: float
     """Metres, those in narrow places counted several times."""
     target: Points
-    """What it is for, (2,) [m]: its last cell, or a mark in it."""
+    """What it is for, (2,) [m]: its last cell, a mark in it, or what is looked at from there."""
     through_unknown: bool = False
     """Whether it may lead through cells never seen."""
 
@@ -65,9 +65,8 @@ def frontiers(grid: OccupancyGrid, numbers: params.Planner) -> Mask:
 
 def way_to(grid: OccupancyGrid, price: Prices, start: Points, ends: Mask) -> Way | None:
     """The cheapest way from a point (2,) to any of the ``ends`` (H, W); None if there is none."""
-    row, column = (int(k[0]) for k in grid.cells(start[None]))
     width = price.shape[1]
-    costs, origin, end = flood(price, row * width + column, ends)
+    costs, origin, end = flood(price, index_of(grid, start), ends)
     if end < 0:
         return None
     cells = [end]
@@ -78,28 +77,16 @@ def way_to(grid: OccupancyGrid, price: Prices, start: Points, ends: Mask) -> Way
     return Way(points, float(costs[end]) * grid.cell / STRAIGHT, points[-1])
 
 
-def way_to_oldest(
-    grid: OccupancyGrid, price: Prices, start: Points, before: int, *, nearest: bool
-) -> Way | None:
-    """The way to what can be reached and was last seen ``before`` a step; None if all is fresh.
+def reached_from(grid: OccupancyGrid, price: Prices, start: Points) -> Mask:
+    """The cells to which there is a way from a point (2,), (H, W)."""
+    costs, _, _ = flood(price, index_of(grid, start), np.zeros(price.shape, dtype=np.bool_))
+    return np.asarray(costs != UNREACHED).reshape(price.shape)
 
-    Args:
-        grid: what is known.
-        price: (H, W).
-        start: where the robot is, (2,) [m].
-        before: number of a step.
-        nearest: to the cheapest such cell, not to the one seen longest ago.
-    """
-    stale = (grid.stamps < before) & (grid.votes < 0)
-    if nearest:
-        return way_to(grid, price, start, stale)
-    row, column = (int(k[0]) for k in grid.cells(start[None]))
-    costs, _, _ = flood(price, row * price.shape[1] + column, np.zeros_like(stale))
-    stale &= costs.reshape(stale.shape) != UNREACHED
-    if not stale.any():
-        return None
-    oldest = stale & (grid.stamps == grid.stamps[stale].min())
-    return way_to(grid, price, start, oldest)
+
+def index_of(grid: OccupancyGrid, point: Points) -> int:
+    """The index of the cell of a point (2,) in the flat grid."""
+    rows, columns = grid.cells(point[None])
+    return int(rows[0] * grid.votes.shape[1] + columns[0])
 
 
 def is_open(grid: OccupancyGrid, price: Prices, points: Points) -> bool:

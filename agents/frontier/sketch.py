@@ -39,8 +39,8 @@ def draw_sketch(
 def outlines(grid: OccupancyGrid) -> list[Points]:
     """The outlines of what is occupied, as pieces (2, 2) [m]."""
     pieces: list[Points] = []
-    for ring in find_contours((grid.votes > 0).astype(np.float32), 0.5):
-        corners = approximate_polygon(ring, COARSE)
+    for ring in find_contours((grid.votes > 0).astype(np.float32), 0.5):  # type: ignore[no-untyped-call]
+        corners = approximate_polygon(ring, COARSE)  # type: ignore[no-untyped-call]
         points = grid.corner + (corners[:, ::-1] + 0.5) * grid.cell
         pieces += list(np.stack((points[:-1], points[1:]), axis=1))
     return pieces
