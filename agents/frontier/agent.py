@@ -111,7 +111,7 @@ class FrontierAgent:
         way = self.way
         if way is None:
             self.status = "all known"
-            return self._patrol(way_to_unvisited(grid, price, self.pose.position))
+            return self._patrol(way_to_unvisited(grid, numbers, price, self.pose.position))
         move = self._follow(way, price, self.params.driver.stride)
         if move.blocked or self._is_at(way.target):
             grid.ignored[grid.near(way.target, numbers.ignored)] = True

@@ -18,7 +18,7 @@ class Grid:
     """A cell is free if all beams through it end at least this far behind it [m]: 4 sds."""
     body: float = 0.2
     """What is under the robot is free up to here from its centre [m]."""
-    near: float = 2.0
+    near: float = 1.0
     """What is seen from nearer than this has been visited [m]."""
     grow: float = 10.0
     """By how much the grid grows at a side where it is too small [m]."""
@@ -60,6 +60,8 @@ class Planner:
     """A wall is seen from the free cells up to here from it [m]."""
     behind: float = 0.5
     """A door may open in a wall with known free space up to here behind it [m]."""
+    unvisited: tuple[float, ...] = (1.0, 0.5, 0.0)
+    """Once all is known, spots farther than this from all visited ones come first [m]."""
     replan: int = 4
     """Steps after which a way is looked for anew even if nothing is in it [steps]."""
 

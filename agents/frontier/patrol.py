@@ -14,19 +14,26 @@ from agents.frontier.planner import Mask, Way, reached_from, way_to
 from cogmap_gym.geometry import Points
 
 
-def way_to_unvisited(grid: OccupancyGrid, price: Prices, start: Points) -> Way | None:
+def way_to_unvisited(
+    grid: OccupancyGrid, numbers: params.Planner, price: Prices, start: Points
+) -> Way | None:
     """To the nearest spot that the robot never was near; else to what it left longest ago.
 
     Args:
         grid: what is known.
+        numbers: of the planner.
         price: (H, W) of the cells.
         start: where the robot is, (2,) [m].
     """
-    free = (grid.votes < 0) & (grid.barred == NEVER)
-    way = way_to(grid, price, start, free & (grid.visits == NEVER))
-    if way is not None:
-        return way
-    visits = np.where(free & reached_from(grid, price, start), grid.visits, np.iinfo(np.int32).max)
+    roomy = grid.clearance * grid.cell >= numbers.body
+    spots = (grid.votes < 0) & (grid.barred == NEVER) & roomy
+    gaps = distance_transform_edt(grid.visits == NEVER, sampling=grid.cell)
+    for gap in numbers.unvisited:
+        way = way_to(grid, price, start, spots & (gaps > gap))
+        if way is not None:
+            return way
+    spots &= reached_from(grid, price, start)
+    visits = np.where(spots, grid.visits, np.iinfo(np.int32).max)
     return way_to(grid, price, start, visits == visits.min())
 
 
