@@ -11,6 +11,7 @@ import gymnasium as gym
 from agents.base import Agent
 from agents.cogmap import CogMapAgent, Params
 from agents.frontier import FrontierAgent
+from agents.frontier.matching import ScanMatching
 from agents.frontier.positions import DeadReckoning, TruePosition
 from agents.random_walk import RandomWalkAgent
 from agents.wall_follower import WallFollowerAgent
@@ -31,6 +32,7 @@ AGENTS: dict[str, Entry] = {
     "random_walk": Entry(RandomWalkAgent),
     "wall_follower": Entry(lambda _: WallFollowerAgent()),
     "frontier_odometry": Entry(lambda _: FrontierAgent(DeadReckoning())),
+    "frontier_scan_matching": Entry(lambda _: FrontierAgent(ScanMatching())),
     "frontier_oracle": Entry(lambda _: FrontierAgent(TruePosition()), knows_pose=True),
     "cogmap": Entry(lambda _: CogMapAgent()),
     "cogmap_literal": Entry(lambda _: CogMapAgent(Params.literal())),
