@@ -13,6 +13,7 @@ from agents.cogmap import CogMapAgent, Params
 from agents.frontier import FrontierAgent
 from agents.frontier.matching import ScanMatching
 from agents.frontier.positions import DeadReckoning, TruePosition
+from agents.frontier.slam import PoseGraphSLAM
 from agents.random_walk import RandomWalkAgent
 from agents.wall_follower import WallFollowerAgent
 from cogmap_gym.wrappers import TruePose
@@ -33,6 +34,7 @@ AGENTS: dict[str, Entry] = {
     "wall_follower": Entry(lambda _: WallFollowerAgent()),
     "frontier_odometry": Entry(lambda _: FrontierAgent(DeadReckoning())),
     "frontier_scan_matching": Entry(lambda _: FrontierAgent(ScanMatching())),
+    "frontier_slam": Entry(lambda _: FrontierAgent(PoseGraphSLAM())),
     "frontier_oracle": Entry(lambda _: FrontierAgent(TruePosition()), knows_pose=True),
     "cogmap": Entry(lambda _: CogMapAgent()),
     "cogmap_literal": Entry(lambda _: CogMapAgent(Params.literal())),
