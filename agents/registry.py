@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Any
 
 import gymnasium as gym
@@ -13,7 +14,6 @@ from agents.cogmap import CogMapAgent, Params
 from agents.frontier import FrontierAgent
 from agents.frontier.matching import ScanMatching
 from agents.frontier.positions import DeadReckoning, TruePosition
-from agents.frontier.slam import PoseGraphSLAM
 from agents.random_walk import RandomWalkAgent
 from agents.wall_follower import WallFollowerAgent
 from cogmap_gym.wrappers import TruePose
@@ -27,6 +27,17 @@ class Entry:
     """Makes one that has not lived yet; the seed is for robots that draw numbers."""
     knows_pose: bool = False
     """Whether it is an oracle: its observations have the true ``pose``."""
+    needs: str = ""
+    """The module without which it cannot be made, and ..."""
+    extra: str = ""
+    """... the extra of this package that brings it."""
+
+
+def _slam_agent(_: int) -> Agent:
+    """The frontier robot with SLAM; its module needs gtsam at once."""
+    from agents.frontier.slam import PoseGraphSLAM
+
+    return FrontierAgent(PoseGraphSLAM())
 
 
 AGENTS: dict[str, Entry] = {
@@ -34,7 +45,7 @@ AGENTS: dict[str, Entry] = {
     "wall_follower": Entry(lambda _: WallFollowerAgent()),
     "frontier_odometry": Entry(lambda _: FrontierAgent(DeadReckoning())),
     "frontier_scan_matching": Entry(lambda _: FrontierAgent(ScanMatching())),
-    "frontier_slam": Entry(lambda _: FrontierAgent(PoseGraphSLAM())),
+    "frontier_slam": Entry(_slam_agent, needs="gtsam", extra="slam"),
     "frontier_oracle": Entry(lambda _: FrontierAgent(TruePosition()), knows_pose=True),
     "cogmap": Entry(lambda _: CogMapAgent()),
     "cogmap_literal": Entry(lambda _: CogMapAgent(Params.literal())),
@@ -51,8 +62,23 @@ def make_agent(name: str, seed: int = 0) -> Agent:
 
     Raises:
         ValueError: there is none of that name.
+        ModuleNotFoundError: it needs an extra that is not installed.
     """
-    return _entry(name).make(seed)
+    entry = _entry(name)
+    if not is_available(name):
+        what = f"pip install 'cogmap-gym[{entry.extra}]'"
+        raise ModuleNotFoundError(f"{name}: needs {entry.needs}: {what}", name=entry.needs)
+    return entry.make(seed)
+
+
+def is_available(name: str) -> bool:
+    """Whether all that this robot needs is installed.
+
+    Raises:
+        ValueError: there is no robot of that name.
+    """
+    needs = _entry(name).needs
+    return not needs or find_spec(needs) is not None
 
 
 def wrap(name: str, env: gym.Env[Any, Any]) -> gym.Env[Any, Any]:

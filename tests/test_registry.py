@@ -14,11 +14,16 @@ from numpy.typing import NDArray
 
 import cogmap_gym  # noqa: F401 - registers the environments
 from agents.base import Agent
-from agents.registry import AGENTS, make_agent, wrap
+from agents.registry import AGENTS, Entry, is_available, make_agent, wrap
 from cogmap_gym.observation import LaserSpec, RobotSpec
 from cogmap_gym.wrappers import TruePose
 
-NAMES = tuple(AGENTS)
+NAMES = [
+    pytest.param(
+        name, marks=pytest.mark.skipif(not is_available(name), reason=f"needs {entry.needs}")
+    )
+    for name, entry in AGENTS.items()
+]
 GARBAGE = (math.nan, 0.0, -1.0, math.inf, -math.inf, 32.0, 1e6)
 KEYS = {
     *("surfaces", "exits", "asrs", "links", "here"),
@@ -89,3 +94,10 @@ def test_only_oracles_are_told_the_true_pose() -> None:
 def test_an_unknown_robot_is_named(ask: Any) -> None:
     with pytest.raises(ValueError, match=r"agent: expected one of .*'nobody'"):
         ask("nobody")
+
+
+def test_a_robot_whose_extra_is_missing_says_which(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(AGENTS, "lame", Entry(AGENTS["cogmap"].make, needs="no_such", extra="legs"))
+    assert not is_available("lame")
+    with pytest.raises(ModuleNotFoundError, match=r"lame: needs no_such: .*\[legs\]"):
+        make_agent("lame")

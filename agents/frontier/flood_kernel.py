@@ -79,47 +79,51 @@ def flood(
     buckets = int(price.max()) * DIAGONAL // STRAIGHT + 1
     heads = np.full(buckets, -1, dtype=np.int32)
     costs[start] = 0
-    heads[0] = start
+    link(start, 0, heads, after, ahead)
     waiting, cost, end = 1, 0, -1
     while waiting > 0 and end < 0:
-        slot = cost % buckets
-        cell = heads[slot]
+        cell = heads[cost % buckets]
         if cell < 0:
             cost += 1
             continue
-        heads[slot] = after[cell]
-        if after[cell] >= 0:
-            ahead[after[cell]] = -1
+        unlink(cell, cost % buckets, heads, after, ahead)
         waiting -= 1
         row, column = cell // width, cell % width
         if is_end[row, column]:
             end = cell
-        for di in range(-1, 2):
-            for dj in range(-1, 2):
-                i, j = row + di, column + dj
-                if i < 0 or j < 0 or i >= height or j >= width or price[i, j] == 0:
-                    continue
-                length = DIAGONAL if di != 0 and dj != 0 else STRAIGHT
-                total = cost + price[i, j] * length // STRAIGHT
-                other = i * width + j
-                if total >= costs[other]:
+        for i in range(max(0, row - 1), min(height, row + 2)):
+            for j in range(max(0, column - 1), min(width, column + 2)):
+                length = DIAGONAL if i != row and j != column else STRAIGHT
+                total, other = cost + price[i, j] * length // STRAIGHT, i * width + j
+                if price[i, j] == 0 or total >= costs[other]:
                     continue
                 if costs[other] != UNREACHED:
-                    if ahead[other] >= 0:
-                        after[ahead[other]] = after[other]
-                    else:
-                        heads[costs[other] % buckets] = after[other]
-                    if after[other] >= 0:
-                        ahead[after[other]] = ahead[other]
+                    unlink(other, costs[other] % buckets, heads, after, ahead)
                     waiting -= 1
-                put = total % buckets
                 costs[other], origin[other] = total, cell
-                after[other], ahead[other] = heads[put], -1
-                if heads[put] >= 0:
-                    ahead[heads[put]] = other
-                heads[put] = other
+                link(other, total % buckets, heads, after, ahead)
                 waiting += 1
     return costs, origin, end
+
+
+@njit(cache=True)
+def link(cell: int, bucket: int, heads: Costs, after: Costs, ahead: Costs) -> None:
+    """Put a cell at the head of a bucket: a list with ``after`` and ``ahead`` of each cell."""
+    after[cell], ahead[cell] = heads[bucket], -1
+    if heads[bucket] >= 0:
+        ahead[heads[bucket]] = cell
+    heads[bucket] = cell
+
+
+@njit(cache=True)
+def unlink(cell: int, bucket: int, heads: Costs, after: Costs, ahead: Costs) -> None:
+    """Take a cell out of a bucket."""
+    if ahead[cell] >= 0:
+        after[ahead[cell]] = after[cell]
+    else:
+        heads[bucket] = after[cell]
+    if after[cell] >= 0:
+        ahead[after[cell]] = ahead[cell]
 
 
 @njit(cache=True)

@@ -106,9 +106,10 @@ def _normal_equations(
 ) -> tuple[Match, Array]:
     """The least squares at a pose: what it is worth, and its gradient (3,), robot's frame."""
     placed = scan.moved(pose)
-    gaps, rows = point_map.tree.query(placed.points, distance_upper_bound=gate)
+    found = point_map.tree.query(placed.points, distance_upper_bound=gate)
+    gaps, nearest = (np.asarray(column) for column in found)
     near = np.isfinite(gaps)
-    rows = rows[near]
+    rows = nearest[near]
     normals = point_map.surfels.normals[rows]
     alike = (normals * placed.normals[near]).sum(axis=1) > numbers.alike
     normals, points = normals[alike], scan.points[near][alike]

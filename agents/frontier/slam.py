@@ -74,9 +74,7 @@ class PoseGraphSLAM(ScanMatching):
             self._correct()
             self.use([*old[::-1], key])
 
-    def _connect(
-        self, a: int, b: int, pose: Pose, information: Array, *, closes: bool
-    ) -> None:
+    def _connect(self, a: int, b: int, pose: Pose, information: Array, *, closes: bool) -> None:
         """An edge between two key scans, the second taken at a pose."""
         motion = self.key_pose(a).inverse() @ pose
         length = math.hypot(motion.x, motion.y)

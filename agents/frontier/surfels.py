@@ -7,9 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from agents.frontier import params
 from cogmap_gym.geometry import Array, Points, Pose
+
+NEIGHBOURS = 2
+"""So many points to a side, if there are any, belong to the wall about a point [1]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +61,7 @@ def apart(points: Array, a: int, b: int) -> float:
 
 
 @njit(cache=True)
-def spaced(points: Array, spacing: float) -> Array:
+def spaced(points: Array, spacing: float) -> NDArray[np.bool_]:
     """Whether each point (N, 2) is farther than ``spacing`` from the last one kept, (N,)."""
     kept = np.zeros(len(points), dtype=np.bool_)
     last = -1
@@ -69,12 +73,24 @@ def spaced(points: Array, spacing: float) -> Array:
 
 
 @njit(cache=True)
+def wall_end(points: Array, row: int, way: int, support: float, gap: float) -> int:
+    """The last row of (N, 2), going up (``way`` 1) or down (-1), on the wall about ``row``."""
+    end = row
+    while 0 <= end + way < len(points) and apart(points, end + way, end) <= gap:
+        beyond = apart(points, end + way, row) > support
+        if beyond and abs(end + way - row) > NEIGHBOURS:
+            break
+        end += way
+    return end
+
+
+@njit(cache=True)
 def wall_normals(points: Array, support: float, gap: float, flat: float) -> Array:
     """The normal of the line through each point and its neighbours, towards the origin.
 
     Args:
         points: (N, 2) in the order of the beams [m].
-        support: the line reaches this far to both sides, or over two neighbours if that is
+        support: the line reaches this far to both sides, or over ``NEIGHBOURS`` if they are
             farther [m].
         gap: neighbours farther apart are not on one line [m].
         flat: largest root mean square deviation from the line [m].
@@ -82,41 +98,25 @@ def wall_normals(points: Array, support: float, gap: float, flat: float) -> Arra
     Returns:
         (N, 2); NaN for a point without a line.
     """
-    count = len(points)
-    normals = np.full((count, 2), np.nan)
-    for k in range(count):
-        first, last = k, k
-        for _ in range(count):
-            step = first - 1
-            if step < 0 or apart(points, step, first) > gap:
-                break
-            if k - step > 2 and apart(points, step, k) > support:
-                break
-            first = step
-        for _ in range(count):
-            step = last + 1
-            if step >= count or apart(points, step, last) > gap:
-                break
-            if step - k > 2 and apart(points, step, k) > support:
-                break
-            last = step
-        if last - first < 3:
+    normals = np.full((len(points), 2), np.nan)
+    for row in range(len(points)):
+        first = wall_end(points, row, -1, support, gap)
+        last = wall_end(points, row, 1, support, gap)
+        count = last - first + 1
+        if count <= NEIGHBOURS + 1:
             continue
         mx, my = 0.0, 0.0
-        for m in range(first, last + 1):
-            mx += points[m, 0]
-            my += points[m, 1]
-        n = last - first + 1
-        mx, my = mx / n, my / n
+        for k in range(first, last + 1):
+            mx, my = mx + points[k, 0] / count, my + points[k, 1] / count
         sxx, sxy, syy = 0.0, 0.0, 0.0
-        for m in range(first, last + 1):
-            dx, dy = points[m, 0] - mx, points[m, 1] - my
+        for k in range(first, last + 1):
+            dx, dy = points[k, 0] - mx, points[k, 1] - my
             sxx, sxy, syy = sxx + dx * dx, sxy + dx * dy, syy + dy * dy
-        least = (sxx + syy) / 2.0 - np.sqrt(((sxx - syy) / 2.0) ** 2 + sxy**2)
-        if np.sqrt(max(0.0, least) / n) > flat:
+        least = (sxx + syy) / 2.0 - math.hypot((sxx - syy) / 2.0, sxy)
+        if least > count * flat**2:
             continue
-        along = 0.5 * np.arctan2(2.0 * sxy, sxx - syy)
-        nx, ny = -np.sin(along), np.cos(along)
-        side = -1.0 if nx * points[k, 0] + ny * points[k, 1] > 0.0 else 1.0
-        normals[k, 0], normals[k, 1] = side * nx, side * ny
+        along = 0.5 * math.atan2(2.0 * sxy, sxx - syy)
+        nx, ny = -math.sin(along), math.cos(along)
+        side = -1.0 if nx * points[row, 0] + ny * points[row, 1] > 0.0 else 1.0
+        normals[row, 0], normals[row, 1] = side * nx, side * ny
     return normals
