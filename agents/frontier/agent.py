@@ -108,6 +108,9 @@ class FrontierAgent:
         ends, price = frontiers(grid, numbers), self._prices()
         if self._is_stale(price) or not self._target_in(ends):
             self._plan(way_to(grid, price, self.pose.position, ends))
+            if self.way is None and self._fades():
+                ends, price = frontiers(grid, numbers), self._prices()
+                self._plan(way_to(grid, price, self.pose.position, ends))
         way = self.way
         if way is None:
             self.status = "all known"
@@ -127,7 +130,8 @@ class FrontierAgent:
             return self.robot.declare()
         price = self._prices()
         if self._is_stale(price) or not self._is_for(mark):
-            self._plan(self._way_to_mark(mark))
+            way = self._way_to_mark(mark)
+            self._plan(self._way_to_mark(mark) if way is None and self._fades() else way)
             price = self._prices()
         if self.way is None:
             self.status = "looking for a way"
@@ -176,6 +180,12 @@ class FrontierAgent:
             self.grid.barred[self.grid.near(self.pose.position + 1.5 * bar * ahead, bar)] = self.now
             self.way = None
         return move
+
+    def _fades(self) -> bool:
+        """Forget the older part of a map that drifts; whether there is such a map."""
+        if self.source.drifts:
+            self.grid.fade(self.now - self.params.planner.fresh)
+        return self.source.drifts
 
     def _plan(self, way: Way | None) -> None:
         self.way, self.planned = way, self.now

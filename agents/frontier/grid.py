@@ -51,6 +51,12 @@ class OccupancyGrid:
         self.votes[:], self.clearance[:] = 0, self._cap
         self.stamps[:], self.visits[:] = NEVER, NEVER
 
+    def fade(self, before: int) -> None:
+        """Forget what was last seen before a step, and all that was tried."""
+        old = self.stamps < before
+        self.votes[old], self.ignored[:], self.barred[:] = 0, False, NEVER
+        update_clearance(self.clearance, self.votes, (0, len(old), 0, old.shape[1]), self._cap)
+
     def wipe(self, point: Points, radius: float) -> None:
         """Forget what was seen within ``radius`` [m] of a point (2,)."""
         self.votes[self.near(point, radius)] = 0

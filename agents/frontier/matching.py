@@ -22,6 +22,8 @@ class ScanMatching:
         keys: of the window.
     """
 
+    drifts = False
+
     def __init__(
         self, matching: params.Matching | None = None, keys: params.Keys | None = None
     ) -> None:

@@ -62,6 +62,9 @@ class Planner:
     """A door may open in a wall with known free space up to here behind it [m]."""
     unvisited: tuple[float, ...] = (1.0, 0.5, 0.0)
     """Once all is known, spots farther than this from all visited ones come first [m]."""
+    fresh: int = 40
+    """A map that drifts away is good for so long: when it leaves nothing to do, older parts of
+    it are forgotten [steps]."""
     replan: int = 4
     """Steps after which a way is looked for anew even if nothing is in it [steps]."""
 

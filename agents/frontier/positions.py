@@ -13,6 +13,9 @@ from cogmap_gym.observation import LaserSpec, Observation
 class PoseSource(Protocol):
     """Keeps the poses of the robot, one an observation, in the frame in which it began."""
 
+    drifts: bool
+    """Whether the poses drift by so much that a map made with them does not stay true."""
+
     @property
     def poses(self) -> list[Pose]:
         """The pose at each observation so far, as believed now."""
@@ -30,6 +33,8 @@ class PoseSource(Protocol):
 
 class DeadReckoning:
     """The sum of all measured motions."""
+
+    drifts = True
 
     def __init__(self) -> None:
         """At the origin."""
@@ -49,6 +54,8 @@ class DeadReckoning:
 
 class TruePosition:
     """The truth, from the key ``pose`` that the wrapper ``TruePose`` adds: for oracles."""
+
+    drifts = False
 
     def __init__(self) -> None:
         """At the origin."""
