@@ -9,14 +9,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from agents.frontier.agent import FrontierAgent
 from agents.frontier.driver import move_towards
 from agents.frontier.flood_kernel import UNREACHED, flood
 from agents.frontier.grid import OccupancyGrid
 from agents.frontier.grid_kernel import update_clearance
 from agents.frontier.icp import PointMap, match, odometry_sds
+from agents.frontier.matching import ScanMatching
 from agents.frontier.params import Params
 from agents.frontier.patrol import way_to_doubtful_wall
 from agents.frontier.planner import frontiers, prices, straight_reach, way_to
+from agents.frontier.positions import DeadReckoning
 from agents.frontier.scans import clean_ranges, free_way, hits_in_robot
 from agents.frontier.surfels import Surfels, surfels_of
 from cogmap_gym.geometry import Points, Pose, Segments
@@ -246,3 +249,17 @@ def test_a_graph_with_a_closed_loop_comes_back_to_where_it_began() -> None:
     assert solved[0].distance(Pose()) < 1e-3
     assert solved[4].distance(Pose()) < 0.02
     assert solved[2].distance(Pose(2.0, 2.0)) < 0.1
+
+
+def test_who_may_correct_the_past_keeps_its_scans_and_pays_for_them() -> None:
+    sizes = {}
+    for source in (DeadReckoning(), ScanMatching()):
+        agent = FrontierAgent(source)
+        agent.reset(ROBOT, LASER)
+        for step in range(3):
+            ranges = np.float32(scan(solid(square_room()), MIDDLE, LASER))
+            agent.act({"scan": ranges, "odometry": np.zeros(3), "bump": 0, "mark": 0, "goal": 0})
+            assert agent.now == step
+        sizes[type(source)] = agent.map_bytes
+    assert 0 < sizes[DeadReckoning] < sizes[ScanMatching]
+    assert sizes[DeadReckoning] == agent.grid.known_bytes

@@ -24,6 +24,12 @@ def test_the_oracle_sees_all_of_two_rooms_and_comes_home() -> None:
     assert reach_goals("frontier_oracle", "CogMap/GoHome-v0", "two_rooms").is_success
 
 
+@pytest.mark.parametrize("name", ["random_walk", "wall_follower"])
+def test_who_keeps_no_map_finds_the_door_of_two_rooms_and_home(name: str) -> None:
+    assert reach_goals(name, "CogMap/Explore-v0", "two_rooms").is_success
+    assert reach_goals(name, "CogMap/GoHome-v0", "two_rooms").is_success
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("office", OFFICES)
 def test_the_oracle_explores_99_percent_of_an_office(office: str) -> None:

@@ -51,7 +51,7 @@ class FrontierAgent:
         self.robot, self.laser = robot, laser
         self.source.reset(laser)
         self.grid = OccupancyGrid(self.params.grid, self.params.planner.comfort, laser)
-        self.scans: list[Array] = []
+        self.scans: list[NDArray[np.float32]] = []
         self.mark_steps: dict[int, int] = {}
         self.goal, self.since = 0, 0
         self.way: Way | None = None
@@ -75,7 +75,13 @@ class FrontierAgent:
     @property
     def now(self) -> int:
         """Number of the present step."""
-        return len(self.scans) - 1
+        return len(self.source.poses) - 1
+
+    @property
+    def map_bytes(self) -> int:
+        """Size of its map: the grid, and what of the scans it must keep to mend it."""
+        scans = sum(scan.nbytes for scan in self.scans)
+        return self.grid.known_bytes + self.source.kept_bytes + scans
 
     def sketch(self) -> dict[str, Any]:
         """What it believes, JSON-able, in the frame in which it began."""
@@ -89,12 +95,13 @@ class FrontierAgent:
 
     def _enter(self, ranges: Array) -> None:
         """Enter the scan; all of them anew if the poses of the past have changed."""
-        self.scans.append(ranges)
+        if self.source.corrects:
+            self.scans.append(ranges.astype(np.float32))
         if self.source.revision != self.revision:
             self.revision, self.way = self.source.revision, None
             self.grid.clear()
             for step, pose in enumerate(self.source.poses[:-1]):
-                self.grid.add(pose, self.scans[step], step)
+                self.grid.add(pose, self.scans[step].astype(np.float64), step)
         self.grid.add(self.pose, ranges, self.now)
         here = self.grid.cells(self.pose.position[None])
         if self.grid.clearance[here][0] * self.grid.cell < self.params.planner.wall:

@@ -96,6 +96,12 @@ class OccupancyGrid:
         self._stand(robot, now)
         update_clearance(self.clearance, self.votes, self._grown(window), self._cap)
 
+    @property
+    def known_bytes(self) -> int:
+        """Of the smallest rectangle with all that was ever seen, a byte a cell."""
+        known = np.argwhere(self.votes != 0)
+        return int(np.prod(np.ptp(known, axis=0) + 1)) if len(known) else 0
+
     def cells(self, points: Points) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Row and column of each point (N, 2) [m]."""
         index = np.floor((points - self.corner) / self.cell).astype(np.int64)

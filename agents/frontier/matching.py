@@ -22,7 +22,7 @@ class ScanMatching:
         keys: of the window.
     """
 
-    drifts = False
+    drifts, corrects = False, False
 
     def __init__(
         self, matching: params.Matching | None = None, keys: params.Keys | None = None
@@ -54,6 +54,11 @@ class ScanMatching:
         if len(scan) >= FEWEST and self._is_new(self.poses[-1]):
             self._keep(scan, found)
         return self.poses[-1]
+
+    @property
+    def kept_bytes(self) -> int:
+        """Of the key scans, a point and a normal in single precision each."""
+        return 4 * 4 * sum(map(len, self.key_scans))
 
     def key_pose(self, key: int) -> Pose:
         """Where a key scan was taken."""

@@ -15,6 +15,8 @@ class PoseSource(Protocol):
 
     drifts: bool
     """Whether the poses drift by so much that a map made with them does not stay true."""
+    corrects: bool
+    """Whether poses of the past may change, so that the scans must be kept."""
 
     @property
     def poses(self) -> list[Pose]:
@@ -23,6 +25,10 @@ class PoseSource(Protocol):
     @property
     def revision(self) -> int:
         """Grows when poses of the past have changed by so much that a map must be made anew."""
+
+    @property
+    def kept_bytes(self) -> int:
+        """What it keeps of what it saw."""
 
     def reset(self, laser: LaserSpec) -> None:
         """Begin a new life at the origin."""
@@ -34,7 +40,7 @@ class PoseSource(Protocol):
 class DeadReckoning:
     """The sum of all measured motions."""
 
-    drifts = True
+    drifts, corrects, kept_bytes = True, False, 0
 
     def __init__(self) -> None:
         """At the origin."""
@@ -55,7 +61,7 @@ class DeadReckoning:
 class TruePosition:
     """The truth, from the key ``pose`` that the wrapper ``TruePose`` adds: for oracles."""
 
-    drifts = False
+    drifts, corrects, kept_bytes = False, False, 0
 
     def __init__(self) -> None:
         """At the origin."""

@@ -24,6 +24,8 @@ class PoseGraphSLAM(ScanMatching):
         loops: of closing loops.
     """
 
+    corrects = True
+
     def __init__(
         self,
         matching: params.Matching | None = None,
