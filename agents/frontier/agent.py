@@ -55,6 +55,7 @@ class FrontierAgent:
         self.mark_steps: dict[int, int] = {}
         self.goal, self.since = 0, 0
         self.way: Way | None = None
+        self.patrol: Way | None = None
         self.planned, self.revision = 0, 0
         self.status = "exploring"
 
@@ -67,7 +68,8 @@ class FrontierAgent:
         if observation["mark"]:
             self.mark_steps.setdefault(int(observation["mark"]), self.now)
         if int(observation["goal"]) != self.goal:
-            self.goal, self.since, self.way = int(observation["goal"]), self.now, None
+            self.goal, self.since = int(observation["goal"]), self.now
+            self.way = self.patrol = None
         if self.goal in self.mark_steps:
             return self._travel(self._mark(self.goal))
         return self._explore()
@@ -98,10 +100,8 @@ class FrontierAgent:
         if self.source.corrects:
             self.scans.append(ranges.astype(np.float32))
         if self.source.revision != self.revision:
-            self.revision, self.way = self.source.revision, None
-            self.grid.clear()
-            for step, pose in enumerate(self.source.poses[:-1]):
-                self.grid.add(pose, self.scans[step].astype(np.float64), step)
+            self.revision, self.way, self.patrol = self.source.revision, None, None
+            self.grid.rebuild(self.source.poses[:-1], self.scans[:-1])
         self.grid.add(self.pose, ranges, self.now)
         here = self.grid.cells(self.pose.position[None])
         if self.grid.clearance[here][0] * self.grid.cell < self.params.planner.wall:
@@ -111,6 +111,8 @@ class FrontierAgent:
     def _explore(self) -> Action:
         """To the cheapest frontier; once all is known, to what was seen longest ago."""
         grid, numbers = self.grid, self.params.planner
+        if self._patrols(grid.visits):
+            return self._look(self.patrol)
         self.status = "exploring"
         ends, price = frontiers(grid, numbers), self._prices()
         if self._is_stale(price) or not self._target_in(ends):
@@ -121,7 +123,7 @@ class FrontierAgent:
         way = self.way
         if way is None:
             self.status = "all known"
-            return self._patrol(way_to_unvisited(grid, numbers, price, self.pose.position))
+            return self._look(way_to_unvisited(grid, numbers, price, self.pose.position))
         move = self._follow(way, price, self.params.driver.stride)
         if move.blocked or self._is_at(way.target):
             grid.ignored[grid.near(way.target, numbers.ignored)] = True
@@ -135,6 +137,8 @@ class FrontierAgent:
         distance = float(np.hypot(*(mark - self.pose.position)))
         if distance < driver.arrived:
             return self.robot.declare()
+        if self._patrols(self.grid.stamps):
+            return self._look(self.patrol)
         price = self._prices()
         if self._is_stale(price) or not self._is_for(mark):
             way = self._way_to_mark(mark)
@@ -162,10 +166,17 @@ class FrontierAgent:
         way = way_to_doubtful_wall(
             grid, self.params.planner, price, (here, mark), self.since
         ) or way_to_stale(grid, price, here, self.since)
-        return self.robot.declare() if way is None else self._patrol(way)
+        return self.robot.declare() if way is None else self._look(way)
 
-    def _patrol(self, way: Way | None) -> Action:
+    def _patrols(self, steps: NDArray[np.int32]) -> bool:
+        """Whether it is on its way to something whose step is not younger than the plan."""
+        if self.patrol is None or self.now - self.planned >= self.params.planner.replan:
+            return False
+        return bool(steps[self.grid.cells(self.patrol.target[None])][0] < self.planned)
+
+    def _look(self, way: Way | None) -> Action:
         """One step of a way that leads to something to look at; what cannot be is given up."""
+        self.patrol = way
         if way is None:
             return self.robot.move(self.robot.max_turn, 0.0)
         move = self._follow(way, self._prices(), self.params.driver.stride)
@@ -185,7 +196,7 @@ class FrontierAgent:
             ahead = (point - self.pose.position) / np.hypot(*(point - self.pose.position))
             bar = self.params.planner.bar
             self.grid.barred[self.grid.near(self.pose.position + 1.5 * bar * ahead, bar)] = self.now
-            self.way = None
+            self.way = self.patrol = None
         return move
 
     def _fades(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,16 +47,11 @@ class OccupancyGrid:
         self.barred = np.full((side, side), NEVER, dtype=np.int32)
         """(H, W): the step at which the way through each cell last proved to be none."""
 
-    def clear(self) -> None:
-        """Forget what was seen, but not what was tried."""
-        self.votes[:], self.clearance[:] = 0, self._cap
-        self.stamps[:], self.visits[:] = NEVER, NEVER
-
     def fade(self, before: int) -> None:
         """Forget what was last seen before a step, and all that was tried."""
         old = self.stamps < before
         self.votes[old], self.ignored[:], self.barred[:] = 0, False, NEVER
-        update_clearance(self.clearance, self.votes, (0, len(old), 0, old.shape[1]), self._cap)
+        self._refresh()
 
     def wipe(self, point: Points, radius: float) -> None:
         """Forget what was seen within ``radius`` [m] of a point (2,)."""
@@ -67,7 +63,24 @@ class OccupancyGrid:
         return self._numbers.cell
 
     def add(self, robot: Pose, ranges: Array, now: int) -> None:
-        """Enter a scan.
+        """Enter a scan; ``_vote`` tells the arguments."""
+        window = self._grown(self._vote(robot, ranges, now))
+        update_clearance(self.clearance, self.votes, window, self._cap)
+
+    def rebuild(self, robots: Iterable[Pose], scans: Iterable[NDArray[np.float32]]) -> None:
+        """Enter all scans anew, the first of step 0, keeping what was tried."""
+        self.votes[:], self.stamps[:], self.visits[:] = 0, NEVER, NEVER
+        for step, (robot, ranges) in enumerate(zip(robots, scans, strict=True)):
+            self._vote(robot, ranges.astype(np.float64), step)
+        self._refresh()
+
+    def _refresh(self) -> None:
+        """Bring the clearance of all cells up to date."""
+        height, width = self.votes.shape
+        update_clearance(self.clearance, self.votes, (0, height, 0, width), self._cap)
+
+    def _vote(self, robot: Pose, ranges: Array, now: int) -> Window:
+        """Let the beams of a scan vote; answer the cells that they may have changed.
 
         Args:
             robot: the robot's pose.
@@ -94,7 +107,7 @@ class OccupancyGrid:
         rows, columns = self.cells(ends[hit])
         stamp_hits(self.votes, self.stamps, rows, columns, numbers.occupied, now)
         self._stand(robot, now)
-        update_clearance(self.clearance, self.votes, self._grown(window), self._cap)
+        return window
 
     @property
     def known_bytes(self) -> int:
