@@ -53,7 +53,7 @@ class FrontierAgent:
         self.grid = OccupancyGrid(self.params.grid, self.params.planner.comfort, laser)
         self.scans: list[NDArray[np.float32]] = []
         self.mark_steps: dict[int, int] = {}
-        self.goal, self.since = 0, 0
+        self.goal, self.since, self.searched = 0, 0, 0
         self.way: Way | None = None
         self.patrol: Way | None = None
         self.planned, self.revision = 0, 0
@@ -68,7 +68,7 @@ class FrontierAgent:
         if observation["mark"]:
             self.mark_steps.setdefault(int(observation["mark"]), self.now)
         if int(observation["goal"]) != self.goal:
-            self.goal, self.since = int(observation["goal"]), self.now
+            self.goal, self.since, self.searched = int(observation["goal"]), self.now, 0
             self.way = self.patrol = None
         if self.goal in self.mark_steps:
             return self._travel(self._mark(self.goal))
@@ -163,6 +163,8 @@ class FrontierAgent:
     def _search(self, mark: Points, price: Prices) -> Action:
         """Look again where a way may have opened; declare once there is nothing left."""
         grid, here = self.grid, self.pose.position
+        if self.searched > self.params.planner.patience:
+            return self.robot.declare()
         way = way_to_doubtful_wall(
             grid, self.params.planner, price, (here, mark), self.since
         ) or way_to_stale(grid, price, here, self.since)
@@ -176,7 +178,7 @@ class FrontierAgent:
 
     def _look(self, way: Way | None) -> Action:
         """One step of a way that leads to something to look at; what cannot be is given up."""
-        self.patrol = way
+        self.patrol, self.searched = way, self.searched + 1
         if way is None:
             return self.robot.move(self.robot.max_turn, 0.0)
         move = self._follow(way, self._prices(), self.params.driver.stride)

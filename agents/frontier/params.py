@@ -65,6 +65,8 @@ class Planner:
     fresh: int = 40
     """A map that drifts away is good for so long: when it leaves nothing to do, older parts of
     it are forgotten [steps]."""
+    patience: int = 140
+    """A way to a mark is searched for so long, then there is none [steps]."""
     replan: int = 4
     """Steps after which a way is looked for anew even if nothing is in it [steps]."""
 
