@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import networkx as nx
 import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
 
 from cogmap_gym.geometry import Array, Pose, Segments, cross
 from cogmap_gym.observation import LaserSpec
@@ -33,3 +36,28 @@ def laser_ranges(segments: Segments, pose: Pose, laser: LaserSpec, slack: float 
     distance = np.where(np.isfinite(distance), distance, nearer)
     distance = np.where(between & (distance >= 0.0), distance, laser.range_max)
     return np.minimum(distance.min(axis=1, initial=laser.range_max), laser.range_max)
+
+
+def clearance(votes: NDArray[np.int8], cap: int) -> Array:
+    """Distance of each cell (H, W) to the nearest with votes above 0, up to ``cap`` [cells]."""
+    if not (votes > 0).any():
+        return np.full(votes.shape, float(cap))
+    return np.minimum(distance_transform_edt(votes <= 0), cap)
+
+
+def cheapest(price: NDArray[np.int16], start: tuple[int, int]) -> dict[tuple[int, int], int]:
+    """Costs of the cells that can be reached, in tenths of a cell's side, over eight neighbours.
+
+    Args:
+        price: (H, W) of entering a cell, in tenths of that of a free one; 0 is no way.
+        start: row and column; its own price does not count.
+    """
+    graph = nx.DiGraph()
+    graph.add_node(start)
+    cells = [(int(i), int(j)) for i, j in np.argwhere(price > 0)]
+    for i, j in {*cells, start}:
+        for a, b in cells:
+            if max(abs(a - i), abs(b - j)) == 1:
+                length = 14 if a != i and b != j else 10
+                graph.add_edge((i, j), (a, b), weight=int(price[a, b]) * length // 10)
+    return dict(nx.single_source_dijkstra_path_length(graph, start))

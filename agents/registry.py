@@ -1,0 +1,96 @@
+"""Every robot by its name: how it is made, and what it needs of the environment."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any
+
+import gymnasium as gym
+
+from agents.base import Agent
+from agents.cogmap import CogMapAgent, Params
+from agents.frontier import FrontierAgent
+from agents.frontier.matching import ScanMatching
+from agents.frontier.positions import DeadReckoning, TruePosition
+from agents.random_walk import RandomWalkAgent
+from agents.wall_follower import WallFollowerAgent
+from cogmap_gym.wrappers import TruePose
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A robot that can be asked for by name."""
+
+    make: Callable[[int], Agent]
+    """Makes one that has not lived yet; the seed is for robots that draw numbers."""
+    knows_pose: bool = False
+    """Whether it is an oracle: its observations have the true ``pose``."""
+    needs: str = ""
+    """The module without which it cannot be made, and ..."""
+    extra: str = ""
+    """... the extra of this package that brings it."""
+
+
+def _slam_agent(_: int) -> Agent:
+    """The frontier robot with SLAM; its module needs gtsam at once."""
+    from agents.frontier.slam import PoseGraphSLAM
+
+    return FrontierAgent(PoseGraphSLAM())
+
+
+AGENTS: dict[str, Entry] = {
+    "random_walk": Entry(RandomWalkAgent),
+    "wall_follower": Entry(lambda _: WallFollowerAgent()),
+    "frontier_odometry": Entry(lambda _: FrontierAgent(DeadReckoning())),
+    "frontier_scan_matching": Entry(lambda _: FrontierAgent(ScanMatching())),
+    "frontier_slam": Entry(_slam_agent, needs="gtsam", extra="slam"),
+    "frontier_oracle": Entry(lambda _: FrontierAgent(TruePosition()), knows_pose=True),
+    "cogmap": Entry(lambda _: CogMapAgent()),
+    "cogmap_literal": Entry(lambda _: CogMapAgent(Params.literal())),
+}
+"""The robots, the simplest first."""
+
+
+def make_agent(name: str, seed: int = 0) -> Agent:
+    """A new robot of this name.
+
+    Args:
+        name: one of ``AGENTS``.
+        seed: of the chance of a robot that draws numbers; the others take no notice.
+
+    Raises:
+        ValueError: there is none of that name.
+        ModuleNotFoundError: it needs an extra that is not installed.
+    """
+    entry = _entry(name)
+    if not is_available(name):
+        what = f"pip install 'cogmap-gym[{entry.extra}]'"
+        raise ModuleNotFoundError(f"{name}: needs {entry.needs}: {what}", name=entry.needs)
+    return entry.make(seed)
+
+
+def is_available(name: str) -> bool:
+    """Whether all that this robot needs is installed.
+
+    Raises:
+        ValueError: there is no robot of that name.
+    """
+    needs = _entry(name).needs
+    return not needs or find_spec(needs) is not None
+
+
+def wrap(name: str, env: gym.Env[Any, Any]) -> gym.Env[Any, Any]:
+    """The environment as this robot needs it: oracles get the true pose, others what there is.
+
+    Raises:
+        ValueError: there is no robot of that name.
+    """
+    return TruePose(env) if _entry(name).knows_pose else env
+
+
+def _entry(name: str) -> Entry:
+    if name not in AGENTS:
+        raise ValueError(f"agent: expected one of {sorted(AGENTS)}, got {name!r}")
+    return AGENTS[name]
