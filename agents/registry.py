@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
@@ -57,7 +58,7 @@ def make_agent(name: str, seed: int = 0) -> Agent:
     """A new robot of this name.
 
     Args:
-        name: one of ``AGENTS``.
+        name: one of ``AGENTS``, or ``module:Class`` for a robot of one's own.
         seed: of the chance of a robot that draws numbers; the others take no notice.
 
     Raises:
@@ -91,6 +92,14 @@ def wrap(name: str, env: gym.Env[Any, Any]) -> gym.Env[Any, Any]:
 
 
 def _entry(name: str) -> Entry:
-    if name not in AGENTS:
-        raise ValueError(f"agent: expected one of {sorted(AGENTS)}, got {name!r}")
-    return AGENTS[name]
+    """The entry of a name; ``module:Class`` names a robot of the user's own."""
+    if name in AGENTS:
+        return AGENTS[name]
+    module, colon, kind = name.partition(":")
+    try:
+        made = getattr(import_module(module), kind) if colon and kind else None
+    except (ImportError, AttributeError) as error:
+        raise ValueError(f"agent: cannot import {name!r}: {error}") from error
+    if not callable(made):
+        raise ValueError(f"agent: expected module:Class or one of {sorted(AGENTS)}, got {name!r}")
+    return Entry(lambda _: made())

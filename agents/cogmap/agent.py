@@ -21,7 +21,7 @@ from agents.cogmap.passing import leave, notice_crossing
 from agents.cogmap.perception import perceive, survey
 from agents.cogmap.recognition import recognise_place
 from agents.cogmap.sketch import draw_sketch
-from agents.cogmap.storage import read_memory, write_memory
+from agents.cogmap.storage import memory_bytes, read_memory, write_memory
 from agents.cogmap.view import View
 from agents.cogmap.wandering import wander
 from cogmap_gym.geometry import Pose
@@ -99,6 +99,11 @@ class CogMapAgent:
         """
         memory = read_memory(path)
         self.memory = back_home(memory) if at_home else memory
+
+    @property
+    def map_bytes(self) -> int:
+        """How large its memory is [bytes]."""
+        return memory_bytes(self.memory)
 
     @property
     def edit_log(self) -> Sequence[Edit]:

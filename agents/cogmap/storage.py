@@ -67,6 +67,13 @@ def write_memory(path: str | Path, memory: Memory) -> None:
     part.replace(target)
 
 
+def memory_bytes(memory: Memory) -> int:
+    """How large a memory is when nothing is compressed [bytes]."""
+    arrays: list[Array] = []
+    text = json.dumps(_packed(memory, arrays))
+    return len(text) + sum(array.nbytes for array in arrays)
+
+
 def read_memory(path: str | Path) -> Memory:
     """Read a memory from a file.
 

@@ -1,0 +1,109 @@
+"""Robots against each other, on the same trials: a table of results and a page of figures.
+
+Usage: python scripts/evaluate.py --agents cogmap,frontier_slam --tasks explore,home
+           --maps thesis_office,office:0,office:1 --odometry medium --seeds 5 --out DIR [--resume]
+
+Writes DIR/results.csv, a row a trial, and DIR/report.html with its figures as PNG and PDF. Rows
+are written as they come: after Ctrl-C, or a kill, --resume does only what is missing. --quick is
+a small table in a few minutes. --ray ADDRESS runs the trials on a Ray cluster, --ray local on one
+started here (the extra `cluster`). Choose parameters on seeds and offices from 1000 up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+
+from agents.registry import AGENTS, is_available
+from agents.sweep import COLUMNS, KEY, TASKS, Row, Trial, run_here, run_on_ray, trials_of
+from cogmap_gym import FloorPlan, OdometrySpec
+from cogmap_gym.result_file import ResultFile
+from cogmap_gym.saving import write_whole
+from cogmap_gym.sweep_report import cells, curves_figure, drift_figure, report_page
+
+QUICK = ("random_walk,wall_follower,frontier_odometry,cogmap", "explore,home", "two_rooms,office:0")
+"""Robots, tasks and maps of --quick."""
+
+
+def wanted(agents: str, tasks: str, maps: str, odometry: str, seeds: int) -> list[Trial]:
+    """The trials asked for; what cannot be run is told at once."""
+    robots, plans, levels = agents.split(","), maps.split(","), odometry.split(",")
+    try:
+        if missing := [name for name in robots if not is_available(name)]:
+            raise typer.BadParameter(f"agents: not installed: {missing}")
+        for plan in plans:
+            FloorPlan.load(plan)
+        for level in levels:
+            OdometrySpec.of(level)
+        return trials_of(robots, tasks.split(","), plans, levels, range(seeds))
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from error
+
+
+def write_rows(rows: Iterable[Row], count: int, results: ResultFile) -> bool:
+    """Append each row as it comes; False if Ctrl-C ended it."""
+    bars = (BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress("trials", *bars) as progress:
+        bar = progress.add_task("", total=count)
+        try:
+            for row in rows:
+                results.add(row)
+                progress.advance(bar)
+        except KeyboardInterrupt:
+            return False
+    return True
+
+
+def report(results: ResultFile, out: Path) -> None:
+    """Write the page and its figures."""
+    rows = results.rows()
+    found = cells(rows, np.random.default_rng(0))
+    drawn = {"Coverage": curves_figure(rows), "Success against drift": drift_figure(found)}
+    pictures = {title: figure for title, figure in drawn.items() if figure is not None}
+    for title, figure in pictures.items():
+        for ending in ("png", "pdf"):
+            figure.savefig(out / f"{title.lower().replace(' ', '_')}.{ending}", dpi=180)
+    write_whole(out / "report.html", report_page(rows, found, pictures).encode())
+    print(results.path, out / "report.html", sep="\n")
+
+
+def main(
+    out: Annotated[Path, typer.Option(file_okay=False, help="folder for results and report")],
+    agents: Annotated[
+        str, typer.Option(help="module:Class, or some of " + ",".join(AGENTS))
+    ] = "cogmap",
+    tasks: Annotated[str, typer.Option(help="some of " + ",".join(TASKS))] = "explore,home",
+    maps: Annotated[str, typer.Option(help="plans, as in gym.make")] = "thesis_office",
+    odometry: Annotated[str, typer.Option(help="some levels")] = "medium",
+    seeds: Annotated[int, typer.Option(min=1, help="so many, from 0 up")] = 5,
+    resume: Annotated[bool, typer.Option(help="do only what is missing")] = False,
+    quick: Annotated[bool, typer.Option(help="a small table in a few minutes")] = False,
+    workers: Annotated[int, typer.Option(min=1, help="processes on this machine")] = 2,
+    ray: Annotated[str | None, typer.Option(help="address of a Ray cluster, or local")] = None,
+) -> None:
+    """Run the trials, and write the table and the page."""
+    if quick:
+        (agents, tasks, maps), seeds = QUICK, 1
+    trials = wanted(agents, tasks, maps, odometry, seeds)
+    if (out / "results.csv").exists() and not resume:
+        raise typer.BadParameter(f"{out / 'results.csv'} exists: --resume goes on with it")
+    try:
+        results = ResultFile(out / "results.csv", COLUMNS)
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from error
+    done = results.done(KEY)
+    todo = [trial for trial in trials if trial.key not in done]
+    rows = run_on_ray(todo, ray) if ray else run_here(todo, workers)
+    complete = write_rows(rows, len(todo), results)
+    report(results, out)
+    if not complete:
+        raise typer.Exit(130)
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,0 +1,66 @@
+"""Scores of trials, by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cogmap_gym.trial_scores import (
+    coverage_curve,
+    curve_area,
+    distance_to,
+    goal_scores,
+    soft_spl,
+)
+
+SEEN = np.array([0.0, 0.5, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("oracle", "driven", "final", "score"),
+    [
+        (10.0, 10.0, 0.0, 1.0),
+        (10.0, 20.0, 0.0, 0.5),
+        (10.0, 10.0, 5.0, 0.5),
+        (10.0, 20.0, 5.0, 0.25),
+        (10.0, 3.0, 15.0, 0.0),
+        (0.0, 1.0, 0.0, 1.0),
+        (0.0, 1.0, 2.0, 0.0),
+    ],
+)
+def test_soft_spl_is_progress_times_the_share_of_the_way(
+    oracle: float, driven: float, final: float, score: float
+) -> None:
+    assert soft_spl(oracle, driven, final) == pytest.approx(score)
+
+
+def test_a_curve_stays_as_it_ended() -> None:
+    assert coverage_curve(SEEN, 4, 5).tolist() == [0.0, 0.5, 1.0, 1.0, 1.0]
+    assert curve_area(SEEN, 4) == pytest.approx((0.0 + 0.5 + 1.0 + 1.0 + 1.0) / 5)
+    assert curve_area(SEEN[:1], 4) == 0.0
+
+
+def test_the_distance_to_a_share_is_told_once_it_was_seen() -> None:
+    driven = np.array([0.0, 3.0, 7.0])
+    assert distance_to(0.5, SEEN, driven) == 3.0
+    assert distance_to(0.9, SEEN, driven) == 7.0
+    assert distance_to(0.9, SEEN[:2], driven[:2]) is None
+
+
+def test_goals_are_scored_together_and_one_never_begun_counts_nothing() -> None:
+    phases = [
+        {"success": True, "oracle_length": 10.0, "path_length": 20.0},
+        {"success": False, "oracle_length": 10.0, "path_length": 10.0},
+        {"success": False, "oracle_length": -1.0, "path_length": 0.0},
+    ]
+    info = {
+        "final_distance": np.array([-1.0, -1.0, 0.0, 5.0, -1.0]),
+        "spl": np.array([-1.0, -1.0, 0.5, 0.0, -1.0]),
+        "spl_learning": np.array([-1.0, -1.0, 1.0, 0.0, -1.0]),
+    }
+    scores = goal_scores(phases, info, [2, 3, 4])
+    assert (scores["goals"], scores["goals_met"]) == (3, 1)
+    assert scores["spl"] == pytest.approx(0.5 / 3)
+    assert scores["spl_learning"] == pytest.approx(1.0 / 3)
+    assert scores["soft_spl"] == pytest.approx((0.5 + 0.5 + 0.0) / 3)
+    assert goal_scores([], info, [])["goals"] is None
