@@ -95,11 +95,11 @@ def _entry(name: str) -> Entry:
     """The entry of a name; ``module:Class`` names a robot of the user's own."""
     if name in AGENTS:
         return AGENTS[name]
-    module, colon, kind = name.partition(":")
+    module, _, kind = name.partition(":")
     try:
-        made = getattr(import_module(module), kind) if colon and kind else None
+        made = getattr(import_module(module), kind) if module and kind else None
     except (ImportError, AttributeError) as error:
         raise ValueError(f"agent: cannot import {name!r}: {error}") from error
     if not callable(made):
-        raise ValueError(f"agent: expected module:Class or one of {sorted(AGENTS)}, got {name!r}")
+        raise ValueError(f"agent: expected one of {sorted(AGENTS)} or module:Class, got {name!r}")
     return Entry(lambda _: made())
