@@ -38,9 +38,16 @@ def draw_sketch(
 
 def outlines(grid: OccupancyGrid) -> list[Points]:
     """The outlines of what is occupied, as pieces (2, 2) [m]."""
+    occupied = grid.votes > 0
+    cells = np.argwhere(occupied)
+    if len(cells) == 0:
+        return []
+    low, high = cells.min(axis=0) - 1, cells.max(axis=0) + 2
+    low = np.maximum(low, 0)
+    part = occupied[low[0] : high[0], low[1] : high[1]].astype(np.float32)
     pieces: list[Points] = []
-    for ring in find_contours((grid.votes > 0).astype(np.float32), 0.5):  # type: ignore[no-untyped-call]
+    for ring in find_contours(part, 0.5):  # type: ignore[no-untyped-call]
         corners = approximate_polygon(ring, COARSE)  # type: ignore[no-untyped-call]
-        points = grid.corner + (corners[:, ::-1] + 0.5) * grid.cell
+        points = grid.corner + (corners[:, ::-1] + low[::-1] + 0.5) * grid.cell
         pieces += list(np.stack((points[:-1], points[1:]), axis=1))
     return pieces
