@@ -130,6 +130,11 @@ def match_exit(book: Book, line: Segments, params: Exits) -> Exit | None:
     return best
 
 
+def seen_exits(book: Book) -> Book:
+    """The exits that were seen and did not turn out to part nothing."""
+    return tuple(e for e in book if e.sightings and not e.false)
+
+
 def exit_lines(book: Book) -> Segments:
     """The lines of the exits, (E, 2, 2)."""
     return np.array([e.line for e in book]) if book else NO_SEGMENTS

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from agents.cogmap.exits import Exit, exit_lines, rename_place, replace_exit
+from agents.cogmap.exits import Exit, exit_lines, rename_place, replace_exit, seen_exits
 from agents.cogmap.free_space import Cells, cells_of
 from agents.cogmap.memory import Leads, Mark, Memory
 from agents.cogmap.mfis import FORGOTTEN
@@ -94,7 +94,7 @@ def _beside(memory: Memory, path: Points, looks: Points, near: float) -> bool:
     rows, columns = np.nonzero(gaps <= near)
     between = np.stack((path[rows], looks[columns]), axis=1)
     mfis = memory.mapping.mfis
-    doors = exit_lines(tuple(e for e in memory.book if e.sightings and not e.false))
+    doors = exit_lines(seen_exits(memory.book))
     walls = np.concatenate((mfis.surfaces[mfis.asr != FORGOTTEN], doors))
     return bool((~segments_cross(between, walls).any(axis=1)).any())
 
@@ -124,7 +124,7 @@ def parts(memory: Memory, target: Exit, seen: Cells, params: Params) -> bool:
         params: all thresholds.
     """
     p = params.exits
-    shut = [e.line for e in memory.book if e.id != target.id and e.sightings and not e.false]
+    shut = [e.line for e in seen_exits(memory.book) if e.id != target.id]
     along = (target.line[1] - target.line[0]) / lengths(target.line[None])[0]
     wide = target.line + p.flank * np.stack((-along, along))
     doors = sample_surfaces(np.array([*shut, wide]), params.navigation.cell)

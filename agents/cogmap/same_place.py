@@ -12,9 +12,10 @@ import shapely
 
 from agents.cogmap.asr import ASR
 from agents.cogmap.association import Beams, Hypothesis, best_hypothesis
-from agents.cogmap.exits import Book, exit_lines
+from agents.cogmap.exits import exit_lines, seen_exits
 from agents.cogmap.free_space import Cells, cells_of, middles_of
 from agents.cogmap.memory import Memory
+from agents.cogmap.mfis import UNTAGGED
 from agents.cogmap.navigator import plan_path, sample_surfaces
 from agents.cogmap.params import Params
 from agents.cogmap.places import within
@@ -62,13 +63,9 @@ def _agreeing(memory: Memory, asr: ASR, beams: Beams, params: Params) -> Hypothe
 def _off_doors(memory: Memory, params: Params) -> Points:
     """The spots of this stay that are clear of all exits, (P, 2)."""
     path = memory.stay.path[:-1]  # the last one may lie beyond an exit
-    doors = exit_lines(_doors(memory)).mean(axis=1)
+    doors = exit_lines(seen_exits(memory.book)).mean(axis=1)
     gaps = np.hypot(*(path[:, None] - doors[None]).transpose(2, 0, 1))
     return np.asarray(path[gaps.min(axis=1, initial=np.inf) >= params.union.off_door])
-
-
-def _doors(memory: Memory) -> Book:
-    return tuple(e for e in memory.book if e.sightings and not e.false)
 
 
 def _one_space(
@@ -76,8 +73,8 @@ def _one_space(
 ) -> bool:
     """Whether a body wider than any exit gets from one spot (2,) to the other, over seen space."""
     p, mfis = params.union, memory.mapping.mfis
-    walls = mfis.surfaces[np.isin(mfis.asr, (0, asr.id))]
-    walls = np.concatenate((walls, exit_lines(_doors(memory))))
+    walls = mfis.surfaces[np.isin(mfis.asr, (UNTAGGED, asr.id))]
+    walls = np.concatenate((walls, exit_lines(seen_exits(memory.book))))
     solid = sample_surfaces(walls, params.navigation.cell)
     obstacles = np.concatenate((memory.obstacles, solid))
     way = plan_path(obstacles, start, goal, params.navigation, RobotSpec(radius=p.passage / 2.0))
