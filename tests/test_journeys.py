@@ -124,3 +124,24 @@ def test_a_mark_lies_in_the_place_whose_boundary_holds_it() -> None:
     assert place_of(memory, Mark(1, 2, np.array((3.0, 1.0)))) == 2
     assert place_of(memory, Mark(1, 1, np.array((9.0, 1.0)))) == 1
     assert place_of(NEWBORN, Mark(1, 4, np.zeros(2))) == 4
+
+
+def test_a_mark_that_is_not_reached_though_the_robot_is_in_its_place_has_no_route() -> None:
+    here = replace(bound((), set()), stay=replace(NEWBORN.stay, place=2, known=True))
+    assert here.journey is not None
+    late = replace(here, journey=replace(here.journey, there=P.journeys.there_steps))
+    memory, declared = stepped(late)
+    assert declared
+    assert memory.status == "no route to mark 7"
+    assert not stepped(here)[1]
+
+
+def test_a_step_without_a_known_way_counts_once_and_looking_counts_too() -> None:
+    book = (door(1, (5, 0), 1, 2), door(2, (0, 5), 1, 0, crossed=-1))
+    begun = replace(bound(book, {1}), mapping=replace(NEWBORN.mapping, step=5))
+    memory, _ = stepped(begun)
+    assert memory.journey is not None
+    assert memory.journey.lost == 1
+    assert stepped(memory)[0].journey == memory.journey, "the same step"
+    tired = replace(memory.journey, lost=P.journeys.lost_steps, lost_at=-1)
+    assert stepped(replace(memory, journey=tired, intent=None))[1]

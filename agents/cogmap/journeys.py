@@ -46,6 +46,8 @@ def travel(
         return look_round(replace(memory, status="looking round"), robot, params)
     memory = replace(memory, journey=replace(memory.journey, looking=False))
     known = _known_way(memory, mark)
+    if known is None:
+        memory = _lost(memory)
     new = _new_exit(memory, mark, known, params)
     if new is not None:
         memory = replace(memory, route=(new.id,), status=f"to mark {mark.id} by a new exit")
@@ -58,6 +60,11 @@ def travel(
         return _without_a_way(memory, mark, view, robot, params)
     memory = replace(memory, route=known.exits, status=f"to mark {mark.id}")
     if not known.exits:
+        memory = _there(memory)
+        if memory.journey is not None and memory.journey.there > params.journeys.there_steps:
+            return replace(
+                memory, intent=None, status=f"no route to mark {mark.id}"
+            ), robot.declare()
         return _beacon(memory, mark, view, robot, params)
     return _by_exit(memory, memory.exit(known.exits[0]), mark, view, robot, params)
 
@@ -73,8 +80,7 @@ def _without_a_way(
     """
     journey = memory.journey
     assert journey is not None, "a journey has begun"
-    journey = replace(journey, lost=journey.lost + 1)
-    memory = replace(memory, route=None, journey=journey, status=f"no known way to mark {mark.id}")
+    memory = replace(memory, route=None, status=f"no known way to mark {mark.id}")
     onward = None
     if journey.lost <= params.journeys.lost_steps:
         onward = _untried(memory, mark, params) or _towards_search(memory, mark, params)
@@ -89,6 +95,22 @@ def _without_a_way(
         )
         return travel(replace(memory, journey=again), mark, view, robot, params)
     return replace(memory, intent=None, status=f"no route to mark {mark.id}"), robot.declare()
+
+
+def _lost(memory: Memory) -> Memory:
+    """The memory with one more step without a known way; a step counts once."""
+    journey, step = memory.journey, memory.mapping.step
+    assert journey is not None, "a journey has begun"
+    if journey.lost_at == step:
+        return memory
+    return replace(memory, journey=replace(journey, lost=journey.lost + 1, lost_at=step))
+
+
+def _there(memory: Memory) -> Memory:
+    """The memory with one more step in the goal's place."""
+    journey = memory.journey
+    assert journey is not None, "a journey has begun"
+    return replace(memory, journey=replace(journey, there=journey.there + 1))
 
 
 def _doubtful_blocks(memory: Memory) -> frozenset[int]:
@@ -164,7 +186,9 @@ def _should_search(memory: Memory, mark: Mark, known: Route | None, params: Para
     assert journey is not None, "a journey has begun"
     if stay.place in journey.searched or stay.place == mark.place:
         return False
-    if known is None and stay.known and journey.lost <= params.journeys.lost_steps:
+    if known is None and journey.lost > params.journeys.lost_steps:
+        return False
+    if known is None and stay.known:
         return stay.place in unsearched(memory, mark, params)
     here = {e.id for e in exits_of(memory.book, stay.place)}
     return bool(journey.blocked) and (not stay.known or bool(here & journey.blocked))

@@ -119,6 +119,10 @@ class Journey:
     """Whether the failed exits were given another chance."""
     lost: int = 0
     """Steps spent without a known way."""
+    lost_at: int = -1
+    """The last of them."""
+    there: int = 0
+    """Steps spent in the goal's place."""
     looking: bool = True
     """Whether the robot still looks round, before it sets out, for what has changed."""
 

@@ -431,8 +431,10 @@ class Journeys:
     """Share of what a straight way would save that is spent on looking [1]. Ours: a detour."""
     shared_wall: float = 0.9
     """A wall so near to a place bounds it too [m]. Ours: a wall's thickness and drift."""
-    lost_steps: int = 120
+    lost_steps: int = 140
     """Steps after which a robot without a known way gives in [1]. Ours: half of a budget."""
+    there_steps: int = 80
+    """Steps in its place after which a mark is out of reach [1]. Ours: three patiences."""
     patience: int = 25
     """Steps after which an exit on the way is given up [1]. Ours: three times the usual."""
     near_exit: float = 3.0
