@@ -143,5 +143,12 @@ def test_a_step_without_a_known_way_counts_once_and_looking_counts_too() -> None
     assert memory.journey is not None
     assert memory.journey.lost == 1
     assert stepped(memory)[0].journey == memory.journey, "the same step"
-    tired = replace(memory.journey, lost=P.journeys.lost_steps, lost_at=-1)
-    assert stepped(replace(memory, journey=tired, intent=None))[1]
+
+
+def test_a_robot_that_was_lost_for_long_gives_in() -> None:
+    book = (door(1, (5, 0), 1, 2), door(2, (0, 5), 1, 3), door(3, (5, 9), 3, 0, crossed=-1))
+    memory = bound(book, {1})
+    assert not stepped(memory)[1], "the exit of place 3 is worth a try"
+    assert memory.journey is not None
+    tired = replace(memory.journey, lost=P.journeys.lost_steps, lost_at=-2)
+    assert stepped(replace(memory, journey=tired))[1]
