@@ -107,7 +107,7 @@ def headings(segments: Segments) -> Array:
 
 def midpoints(segments: Segments) -> Points:
     """Midpoints, shape (N, 2)."""
-    return np.asarray(segments.mean(axis=1))
+    return np.asarray(0.5 * (segments[:, 0] + segments[:, 1]))
 
 
 def cross(a: Points, b: Points) -> Array:
@@ -131,8 +131,10 @@ def point_segment_distances(points: Points, segments: Segments) -> Array:
     dx, dy = points[:, :1] - ax, points[:, 1:] - ay
     squared = ux**2 + uy**2
     t = (dx * ux + dy * uy) / np.where(squared > 0.0, squared, 1.0)
-    t = np.clip(t, 0.0, 1.0)
-    return np.asarray(np.hypot(dx - t * ux, dy - t * uy))
+    np.clip(t, 0.0, 1.0, out=t)
+    dx -= t * ux
+    dy -= t * uy
+    return np.asarray(np.sqrt(dx * dx + dy * dy))
 
 
 def segments_cross(a: Segments, b: Segments) -> NDArray[np.bool_]:

@@ -42,7 +42,7 @@ class Exit:
     @property
     def middle(self) -> Points:
         """(2,)."""
-        return np.asarray(self.line.mean(axis=0))
+        return np.asarray(0.5 * (self.line[0] + self.line[1]))
 
     @property
     def normal(self) -> Points:
@@ -83,7 +83,7 @@ def remember_exits(
     """
     robot = mfis_from_robot.position
     for line in found:
-        middle = line.mean(axis=0)
+        middle = 0.5 * (line[0] + line[1])
         if _through_another(book, robot, middle, params):
             continue
         known = match_exit(book, line, params)
@@ -124,7 +124,7 @@ def match_exit(book: Book, line: Segments, params: Exits) -> Exit | None:
     for known in _about(book, line, 2.0 * params.same_distance):
         e = known.line[1] - known.line[0]
         turn = abs(float(cross(d, e))) / float(np.hypot(*d) * np.hypot(*e))
-        gap = float(np.hypot(*(known.middle - line.mean(axis=0))))
+        gap = float(np.hypot(*(known.middle - 0.5 * (line[0] + line[1]))))
         if gap < least and turn < params.same_turn:
             best, least = known, gap
     return best
@@ -237,7 +237,7 @@ def _seen_again(known: Exit, line: Segments, here: int, robot: Points, params: E
     """A known exit with its line and sides brought up to date by a new sighting."""
     same = float((line[1] - line[0]) @ (known.line[1] - known.line[0])) > 0.0
     directed = line if same else line[::-1]
-    near = float(np.hypot(*(line.mean(axis=0) - robot))) < params.near
+    near = float(np.hypot(*(0.5 * (line[0] + line[1]) - robot))) < params.near
     share = params.near_share if near else params.far_share
     blended = (1.0 - share) * known.line + share * directed
     left, right = known.left, known.right
