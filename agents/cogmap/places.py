@@ -48,9 +48,13 @@ class Route:
 
 def within(asr: ASR, points: Points, depth: float) -> NDArray[np.bool_]:
     """Which points (P, 2) lie at least so deep [m] inside a place with a boundary, (P,)."""
-    core = shapely.Polygon(asr.boundary).buffer(-depth)
-    shapely.prepare(core)
-    return np.asarray(shapely.contains_xy(core, points[:, 0], points[:, 1]))
+    low, high = asr.boundary.min(axis=0) + depth, asr.boundary.max(axis=0) - depth
+    inside = np.asarray(((points >= low) & (points <= high)).all(axis=1))
+    if inside.any():
+        core = shapely.Polygon(asr.boundary).buffer(-depth)
+        shapely.prepare(core)
+        inside[inside] = shapely.contains_xy(core, *points[inside].T)
+    return inside
 
 
 def links(book: Book) -> list[tuple[int, int, int]]:
