@@ -424,7 +424,7 @@ class Journeys:
     """The robot declares this near to where it remembers the mark [m]. Ours: within 1 m asked."""
     near_enough: float = 0.9
     """A mark that cannot be reached is declared from within this [m]. Ours: 1 m is asked."""
-    much_shorter: float = 0.6
+    much_shorter: float = 0.8
     """A new exit is taken at once if it promises a way as short against the known one [1]. Ours:
     it may lead nowhere."""
     search_worth: float = 0.5
