@@ -72,8 +72,7 @@ class CogMapAgent:
         """Explore while there is no goal; else travel to the goal's mark."""
         mark = memory.mark(goal) if goal else None
         if mark is not None:
-            on_journeys = replace(self.params, navigation=self.params.known_ground)
-            return travel(memory, mark, view, self.robot, on_journeys)
+            return travel(memory, mark, view, self.robot, self.params)
         memory = replace(memory, route=None, journey=None, status="exploring")
         if self.params.exploration.literal:
             return memory, wander(memory, seen, self.robot, self.params)

@@ -625,10 +625,6 @@ class Params:
     journeys: Journeys = field(default_factory=Journeys)
     gaps: Gaps = field(default_factory=Gaps)
     navigation: Navigation = field(default_factory=Navigation)
-    known_ground: Navigation = field(
-        default_factory=lambda: Navigation(soft_clearance=0.45, near_cost=2.0)
-    )
-    """On journeys. Ours: SPL of GoTo 0.86 -> 0.88; exploring, it missed 1 % of crossings."""
     boundary: Boundary = field(default_factory=Boundary)
 
     @classmethod
