@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import pymunk
@@ -55,7 +56,7 @@ class Motion:
     @property
     def length(self) -> float:
         """How long the way of the centre was [m]."""
-        return float(np.hypot(*np.diff(self.path, axis=0).T).sum())
+        return sum(math.dist(p, q) for p, q in pairwise(self.path.tolist()))
 
 
 class Body:
@@ -121,32 +122,37 @@ class Body:
         """Drive at ``v`` [m/s] turning at ``omega`` [rad/s] for one velocity step."""
         dt = self._robot.velocity_step / VELOCITY_SUBSTEPS
         path = [tuple(self._body.position)]
+        free = self.clearance(self._body.position) - 2.0 * LEAP_MARGIN_M > abs(v) * self._robot.velocity_step
         driven, turned, bump = 0.0, 0.0, False
         while turned < VELOCITY_SUBSTEPS and not bump:
             middle = self._heading + 0.5 * omega * dt
-            step, bump = self._advance(middle, v * dt, path)
+            step, bump = self._advance(middle, v * dt, path, free=free)
             self._heading = wrap_angle(self._heading + omega * dt)
             driven += step
             turned += 1
         return Motion(turned * omega * dt, driven, bump, np.array(path))
 
     def _advance(
-        self, heading: float, distance: float, path: list[tuple[float, ...]]
+        self, heading: float, distance: float, path: list[tuple[float, ...]], *, free: bool = False
     ) -> tuple[float, bool]:
-        """Drive along ``heading``; append to ``path``; answer (driven, bump)."""
+        """Drive along ``heading``; append to ``path``; answer (driven, bump).
+
+        Where it is known to be ``free``, nothing is asked of the space.
+        """
         sign = math.copysign(1.0, distance)
         ux, uy = sign * math.cos(heading), sign * math.sin(heading)
         left, touching, opposed = abs(distance), False, False
-        x, y = start = tuple(self._body.position)
+        x, y = start = path[-1]
         while left > TINY_M and not opposed:
-            leap = min(left, self.clearance((x, y)) - LEAP_MARGIN_M)
+            leap = left if free else min(left, self.clearance((x, y)) - LEAP_MARGIN_M)
             if leap >= min(left, MIN_LEAP_M):
-                self._body.position = x + leap * ux, y + leap * uy
+                x, y = x + leap * ux, y + leap * uy
+                self._body.position = x, y
                 left, touching = left - leap, False
             else:
                 left, opposed = self._substep(ux, uy, left, touching)
                 touching = True
-            x, y = self._body.position
+                x, y = self._body.position
             path.append((x, y))
         return sign * ((x - start[0]) * ux + (y - start[1]) * uy), opposed
 

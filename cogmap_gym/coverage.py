@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy import ndimage
 
+from cogmap_gym.coverage_kernel import SPAN, blocks_of, look_once, tiles_of
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Pose, Segments
-from cogmap_gym.grid import Grid, Mask, mark_seen
+from cogmap_gym.grid import CELL_M, Grid, Mask
 from cogmap_gym.observation import LaserSpec
 from cogmap_gym.world import World
 
@@ -25,14 +26,17 @@ class Coverage:
 
     def __init__(self, world: World, laser: LaserSpec) -> None:
         """Find the cells that count, with the world as it stands now."""
-        self._world = world
-        self._laser = laser
+        self._world, self._laser = world, laser
         self._grid = Grid.over(world.plan.walls_and_furniture())
         counts = reachable(self._grid, world.plan, world.solid_segments)
-        self._uncounted = ~counts
-        self._seen = self._uncounted.copy()
+        self._all = tiles_of(counts)
         self._total = max(int(counts.sum()), 1)
-        self._count = 0
+        self._last = laser.beams - 1
+        turns = (np.arange(laser.beams) - 0.5 * self._last) * laser.step
+        self._fan = np.stack((np.cos(turns), np.sin(turns)))
+        self._middle = laser.first_angle + 0.5 * self._last * float(laser.step)
+        self._longest = np.zeros(self._last // SPAN + 1)
+        self.forget()
 
     @property
     def share(self) -> float:
@@ -41,16 +45,18 @@ class Coverage:
 
     def forget(self) -> None:
         """Begin again with nothing seen."""
-        self._seen = self._uncounted.copy()
+        self._unseen, self._blocks = self._all.copy(), blocks_of(self._all)
         self._count = 0
 
     def look(self, pose: Pose) -> float:
         """Mark what is visible from the robot's ``pose``; answer the share that is new."""
         eye = pose @ self._laser.robot_from_laser
         ranges = self._world.caster.ranges(eye, self._laser)
-        directions = self._laser.angles + eye.theta
-        grid = self._grid
-        new = mark_seen(self._seen, grid.x0, grid.y0, eye.position, directions, ranges)
+        x, y = (eye.x - self._grid.x0) / CELL_M, (eye.y - self._grid.y0) / CELL_M
+        new = look_once(
+            self._unseen, self._blocks, x, y, eye.theta + self._middle, self._fan, self._last,
+            float(self._laser.step), ranges, self._longest,
+        )  # fmt: skip
         self._count += int(new)
         return int(new) / self._total
 

@@ -1,22 +1,24 @@
-"""The compiled twin of ``grid.mark_seen`` for many robots: it visits cells, not beams.
+"""Which cells beams pass through: a compiled kernel that visits cells, not beams.
 
+A beam is sampled twice a cell, from the laser to its end; a cell that holds a sample is seen.
 What one robot has not seen yet is kept as tiles of 8 by 8 cells, a bit a cell, and blocks of
 4 by 4 tiles, each with the number of its tiles that are not empty. A look passes over blocks
 and tiles that no beam can reach, and asks of each cell left whether a sample of a beam falls
-into it. The samples are those of ``mark_seen``, up to rounding.
+into it.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cogmap_gym import grid, kernel_parts, raycast_kernel
 from cogmap_gym.geometry import Array
 from cogmap_gym.grid import CELL_M, Mask
-from cogmap_gym.kernel_parts import part
+from cogmap_gym.kernel_parts import fingerprint, part, whole
 from cogmap_gym.raycast_kernel import _cell_beams
 
 TILE: Final = 8
@@ -26,7 +28,7 @@ BLOCK: Final = 4
 SPAN: Final = 4
 """Beams whose longest range is kept together. Ours."""
 SAMPLE: Final = 0.5
-"""From one sample of a beam to the next, in cells; as in ``mark_seen``."""
+"""From one sample of a beam to the next, in cells."""
 NARROWEST: Final = 1e-12
 """A beam's direction cosines are at least this, so that none divides by nothing."""
 HALF_CELL: Final = 0.75
@@ -264,3 +266,20 @@ def _meets(x: float, y: float, c: float, s: float, b: int, fan: Array, reach: fl
     step_y = SAMPLE * (s * fan[0, b] + c * fan[1, b])
     begin, end = _samples(x, y, x + 1.0, y + 1.0, step_x, step_y, reach)
     return begin <= end
+
+
+def _kernel(sources: int) -> Any:
+    """``look`` for one robot, called from Python."""
+
+    def look_once(
+        unseen: Tiles, blocks: NDArray[np.uint8], x: float, y: float, heading: float,
+        fan: Array, last: int, step: float, ranges: Array, longest: Array,
+    ) -> np.int64:  # fmt: skip
+        """See ``look``."""
+        new = look(unseen, blocks, x, y, heading, fan, last, step, ranges, longest)
+        return new if sources >= 0 else np.int64(0)
+
+    return whole(look_once)
+
+
+look_once = _kernel(fingerprint(grid, kernel_parts, raycast_kernel))

@@ -138,7 +138,7 @@ class FloorPlan:
         """Names of the barriers, in the order of the file."""
         return tuple(self.barriers)
 
-    @property
+    @cached_property
     def room_names(self) -> tuple[str, ...]:
         """Names of the rooms, in the order of the file."""
         return tuple(self.rooms)
@@ -192,8 +192,11 @@ class FloorPlan:
 
     def room_at(self, x: float, y: float) -> str | None:
         """Name of the first room that holds the point (x, y) [m], its edge included."""
-        hits = np.flatnonzero(shapely.intersects_xy(self._room_polygons, x, y))
-        return self.room_names[hits[0]] if len(hits) else None
+        if not self.rooms:
+            return None
+        hits = shapely.intersects_xy(self._room_polygons, x, y)
+        first = int(hits.argmax())
+        return self.room_names[first] if hits[first] else None
 
     @cached_property
     def _room_polygons(self) -> NDArray[np.object_]:

@@ -166,6 +166,8 @@ class Task:
 
     def _new_mark(self) -> int:
         """The mark that is given where the robot stands now; 0 for none."""
+        if len(self._marks) > len(self._mark_rooms):
+            return 0
         x, y = self._pose.x, self._pose.y
         room = self._world.plan.room_at(x, y)
         for mark, where in self._mark_rooms.items():
@@ -195,8 +197,9 @@ class Task:
         """Whether all marks have been given, and the next one asked for is in another room."""
         later = self._phases[len(self.results) + 1 :]
         room = self._mark_rooms.get(later[0].goal) if later else None
-        here = self._world.plan.room_at(self._pose.x, self._pose.y)
-        return set(self._mark_rooms) <= set(self._marks) and (room is None or room != here)
+        if not set(self._mark_rooms) <= set(self._marks):
+            return False
+        return room is None or room != self._world.plan.room_at(self._pose.x, self._pose.y)
 
     def _is_right(self, phase: Phase) -> bool:
         """Whether "I am there", said here, is true."""

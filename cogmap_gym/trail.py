@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -27,6 +28,8 @@ class Trail:
 
     def follow(self, path: Points) -> None:
         """Go along a path (K, 2) [m] and note the rooms it passes."""
+        if sum(math.dist(p, q) for p, q in pairwise(path.tolist())) <= TRAIL_STEP_M:
+            return self._enter(*path[-1].tolist())
         steps = np.hypot(*np.diff(path, axis=0).T)
         along = np.concatenate(((0.0,), np.cumsum(steps)))
         count = max(math.ceil(along[-1] / TRAIL_STEP_M), 1)
@@ -34,6 +37,7 @@ class Trail:
         xs, ys = np.interp(at, along, path[:, 0]), np.interp(at, along, path[:, 1])
         for x, y in zip(xs.tolist(), ys.tolist(), strict=True):
             self._enter(x, y)
+        return None
 
     def gap(self, point: tuple[float, float]) -> float:
         """Distance from a point to the nearest door, open or shut [m]; infinite without one."""

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from cogmap_gym.coverage import Coverage
-from cogmap_gym.coverage_kernel import SPAN, Tiles, blocks_of, look, tiles_of
+from cogmap_gym.coverage_kernel import Tiles, blocks_of, tiles_of
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Pose
-from cogmap_gym.grid import CELL_M
 from cogmap_gym.observation import LaserSpec, RobotSpec
 from cogmap_gym.world import World
+from tests.reference import mark_seen
 from tests.rooms import l_room, room_with_pillar
 
 LASERS = [
@@ -45,26 +45,19 @@ def test_tiles_hold_the_cells() -> None:
 )
 def test_it_sees_the_cells_that_beams_pass_through(plan: FloorPlan, laser: LaserSpec) -> None:
     world, rng = World(plan, RobotSpec()), np.random.default_rng(3)
-    coverage, grid = Coverage(world, laser), Coverage(world, laser)._grid
-    tiles = tiles_of(~coverage._uncounted)
-    blocks, longest = blocks_of(tiles), np.zeros(laser.beams // SPAN + 1)
-    turns = (np.arange(laser.beams) - 0.5 * (laser.beams - 1)) * laser.step
-    fan = np.stack((np.cos(turns), np.sin(turns)))
-    middle = laser.first_angle + 0.5 * (laser.beams - 1) * laser.step
-    pose = plan.home
+    coverage = Coverage(world, laser)
+    grid, total = coverage._grid, coverage._total
+    uncounted = ~cells_of(coverage._unseen, grid.shape)
+    seen = uncounted.copy()
     for _ in range(30):
-        world._body.pose = pose = world.pose @ Pose(0.0, 0.0, float(rng.uniform(-1.0, 1.0)))
+        world._body.pose = world.pose @ Pose(0.0, 0.0, float(rng.uniform(-1.0, 1.0)))
         world.move(0.0, float(rng.uniform(0.0, 3.0)))
         pose = world.pose
-        before = coverage.share
-        coverage.look(pose)
-        new = look(
-            *(tiles, blocks, (pose.x - grid.x0) / CELL_M, (pose.y - grid.y0) / CELL_M),
-            *(pose.theta + middle, fan, laser.beams - 1, laser.step),
-            *(world.caster.ranges(pose, laser), longest),
-        )
-        assert abs(new / coverage._total - (coverage.share - before)) <= 4 / coverage._total
-        assert (blocks == blocks_of(tiles)).all()
-    unlike = cells_of(tiles, grid.shape) != ~coverage._seen
+        new = coverage.look(pose)
+        ranges, directions = world.caster.ranges(pose, laser), laser.angles + pose.theta
+        true = mark_seen(seen, grid.x0, grid.y0, pose.position, directions, ranges)
+        assert abs(new * total - true) <= 4
+        assert (coverage._blocks == blocks_of(coverage._unseen)).all()
+    unlike = cells_of(coverage._unseen, grid.shape) != ~seen
     assert np.count_nonzero(unlike) <= 4
     assert coverage.share > 0.02
