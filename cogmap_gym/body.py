@@ -122,29 +122,43 @@ class Body:
         """Drive at ``v`` [m/s] turning at ``omega`` [rad/s] for one velocity step."""
         dt = self._robot.velocity_step / VELOCITY_SUBSTEPS
         path = [tuple(self._body.position)]
-        free = self.clearance(self._body.position) - 2.0 * LEAP_MARGIN_M > abs(v) * self._robot.velocity_step
+        longest = abs(v) * self._robot.velocity_step
+        if self.clearance(self._body.position) > longest + 2.0 * LEAP_MARGIN_M:
+            return self._glide(v * dt, omega * dt, path)
         driven, turned, bump = 0.0, 0.0, False
         while turned < VELOCITY_SUBSTEPS and not bump:
             middle = self._heading + 0.5 * omega * dt
-            step, bump = self._advance(middle, v * dt, path, free=free)
+            step, bump = self._advance(middle, v * dt, path)
             self._heading = wrap_angle(self._heading + omega * dt)
             driven += step
             turned += 1
         return Motion(turned * omega * dt, driven, bump, np.array(path))
 
-    def _advance(
-        self, heading: float, distance: float, path: list[tuple[float, ...]], *, free: bool = False
-    ) -> tuple[float, bool]:
-        """Drive along ``heading``; append to ``path``; answer (driven, bump).
+    def _glide(self, distance: float, turn: float, path: list[tuple[float, ...]]) -> Motion:
+        """``drive`` where nothing is near enough to be met: the sub-steps that it would make."""
+        sign, left = math.copysign(1.0, distance), abs(distance)
+        (x, y), driven = path[0], 0.0
+        for _ in range(VELOCITY_SUBSTEPS):
+            middle = self._heading + 0.5 * turn
+            self._heading = wrap_angle(self._heading + turn)
+            if left > TINY_M:
+                ux, uy = sign * math.cos(middle), sign * math.sin(middle)
+                fromx, fromy, x, y = x, y, x + left * ux, y + left * uy
+                driven += sign * ((x - fromx) * ux + (y - fromy) * uy)
+                path.append((x, y))
+        self._body.position = x, y
+        return Motion(VELOCITY_SUBSTEPS * turn, driven, False, np.array(path))
 
-        Where it is known to be ``free``, nothing is asked of the space.
-        """
+    def _advance(
+        self, heading: float, distance: float, path: list[tuple[float, ...]]
+    ) -> tuple[float, bool]:
+        """Drive along ``heading``; append to ``path``; answer (driven, bump)."""
         sign = math.copysign(1.0, distance)
         ux, uy = sign * math.cos(heading), sign * math.sin(heading)
         left, touching, opposed = abs(distance), False, False
         x, y = start = path[-1]
         while left > TINY_M and not opposed:
-            leap = left if free else min(left, self.clearance((x, y)) - LEAP_MARGIN_M)
+            leap = min(left, self.clearance((x, y)) - LEAP_MARGIN_M)
             if leap >= min(left, MIN_LEAP_M):
                 x, y = x + leap * ux, y + leap * uy
                 self._body.position = x, y

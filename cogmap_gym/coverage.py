@@ -31,7 +31,7 @@ class Coverage:
         counts = reachable(self._grid, world.plan, world.solid_segments)
         self._all = tiles_of(counts)
         self._total = max(int(counts.sum()), 1)
-        self._last = laser.beams - 1
+        self._last, self._centred = laser.beams - 1, laser.mount == (0.0, 0.0, 0.0)
         turns = (np.arange(laser.beams) - 0.5 * self._last) * laser.step
         self._fan = np.stack((np.cos(turns), np.sin(turns)))
         self._middle = laser.first_angle + 0.5 * self._last * float(laser.step)
@@ -50,7 +50,7 @@ class Coverage:
 
     def look(self, pose: Pose) -> float:
         """Mark what is visible from the robot's ``pose``; answer the share that is new."""
-        eye = pose @ self._laser.robot_from_laser
+        eye = pose if self._centred else pose @ self._laser.robot_from_laser
         ranges = self._world.caster.ranges(eye, self._laser)
         x, y = (eye.x - self._grid.x0) / CELL_M, (eye.y - self._grid.y0) / CELL_M
         new = look_once(

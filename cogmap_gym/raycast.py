@@ -65,6 +65,8 @@ class RayCaster:
             self._segments, self._grid, self._columns, self._lines
         )
         self._laser: Fan | None = None
+        self._last_pose: Pose | None = None
+        self._last_ranges: Array = np.zeros(0)
 
     def set_solid(self, row: int, solid: bool) -> None:
         """Put movable segment ``row`` in its place, or take it away.
@@ -75,6 +77,7 @@ class RayCaster:
         if not 0 <= row < self._movable:
             raise IndexError(f"RayCaster: expected a movable row < {self._movable}, got {row}")
         self._seen[len(self._seen) - self._movable + row] = 0 if solid else ABSENT
+        self._last_pose = None
 
     @property
     def solid(self) -> NDArray[np.bool_]:
@@ -94,8 +97,11 @@ class RayCaster:
         """
         if laser is not self._laser:
             self._aim(laser)
+        elif laser_pose == self._last_pose:  # As a step looks twice: what is seen, and the scan.
+            return self._last_ranges.copy()
         self._stamp += 1
-        return cast_rays(
+        self._last_pose = laser_pose
+        self._last_ranges = cast_rays(
             self._segments,
             self._first,
             self._rows,
@@ -112,6 +118,7 @@ class RayCaster:
             float(laser_pose.y),
             laser_pose.theta + self._middle,
         )
+        return self._last_ranges.copy()
 
     def _aim(self, laser: Fan) -> None:
         """Tabulate the beams of ``laser`` about the middle of its fan."""

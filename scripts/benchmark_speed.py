@@ -29,7 +29,7 @@ from cogmap_gym.saving import write_whole
 from cogmap_gym.vector_speed import seconds_to_start, vector_costs
 
 CONSOLE = Console()
-BATCH = 256
+BATCH = 64
 """Robots that scan in one call."""
 
 
