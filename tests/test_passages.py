@@ -64,3 +64,21 @@ def test_a_door_is_found_in_its_wall_wherever_the_scene_lies() -> None:
 def test_without_a_move_nothing_is_found() -> None:
     assert passages(np.zeros((3, 2)), points(WALL), P).shape == (0, 2, 2)
     assert passages(np.zeros((0, 2)), points(WALL), P).shape == (0, 2, 2)
+
+
+@pytest.mark.parametrize("nib", [0.25, 0.4])
+def test_a_door_beside_a_wall_across_its_own_is_noticed(nib: float) -> None:
+    end = -0.45 - nib
+    wall = segments(
+        (end, 0, -0.45, 0), (0.45, 0, 4, 0), (end, 0.2, -0.45, 0.2), (0.45, 0.2, 4, 0.2)
+    )
+    outer = segments((end, -3, end, 0), (end, 0.2, end, 3))
+    found = passages(through(0.0), points(wall, outer, ROOMS), P)
+    assert len(found) == 1
+    assert np.hypot(*(found[0][1] - found[0][0])) == pytest.approx(0.9, abs=0.15)
+
+
+def test_between_a_thing_and_a_wall_there_is_no_door() -> None:
+    thing = segments((0.45, -0.3, 0.45, 0.3), (0.45, 0.3, 1.0, 0.3), (1.0, 0.3, 1.0, -0.3))
+    outer = segments((-0.7, -3, -0.7, 3))
+    assert len(passages(through(0.0), points(thing, outer, ROOMS), P)) == 0

@@ -222,6 +222,8 @@ class Passages:
     """Widest passage [m]. Ours: 1.2 m (thesis 3.3) and noise."""
     wide: float = 1.6
     """The space before and behind is wider [m]. Ours: corridors are 2 m wide."""
+    wider: float = 0.4
+    """Or wider than the passage by this [m]. Ours: two frames; necks narrow to 1.4 m."""
     wide_within: float = 0.7
     """And is so within this of the passage [m]. Ours: a wall's thickness and a band."""
     wall: float = 1.0
@@ -232,6 +234,8 @@ class Passages:
     """Points so far beside its line are on the wall [m]. Ours: both faces of a wall."""
     wall_slant: float = 0.15
     """How that grows with the distance from the jamb [1]. Ours: walls wave a little."""
+    nib: float = 0.2
+    """The shortest wall beside a doorway that ends in a wall across it [m]. Ours: a frame."""
     max_slant: float = 0.3
     """A doorway's wall is turned by as much against the path at most [rad]. Ours: 17 degrees."""
     slant_step: float = 0.15
