@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -62,30 +63,37 @@ def distance_to(share: float, seen: Array, driven: Array) -> float | None:
 
 
 def goal_scores(
-    phases: Sequence[dict[str, Any]], info: dict[str, Any], marks: Sequence[int]
+    phases: Sequence[Mapping[str, Any]], info: Mapping[str, Any], marks: Sequence[int]
 ) -> dict[str, Any]:
-    """Scores over the goals of an episode; None where it had none.
+    """Scores over the goals of an episode; None where it has none.
 
     Args:
-        phases: as in ``Episode.phases``, those with a goal, in order.
+        phases: as in ``Episode.phases``, those with a goal that are over, in order.
         info: the last ``info``.
-        marks: the mark of each.
+        marks: that of every goal of the episode, in order. One whose phase never came to its end
+            is missed.
     """
-    if not phases:
+    if not marks:
         return dict.fromkeys(("goals", "goals_met", "spl", "spl_learning", "soft_spl"))
+    far = info["final_distance"]
     soft = [
-        soft_spl(phase["oracle_length"], phase["path_length"], float(info["final_distance"][mark]))
-        if phase["oracle_length"] > 0.0
-        else float(phase["success"])
-        for phase, mark in zip(phases, marks, strict=True)
+        0.0 if phase is None else _soft(phase, float(far[mark]))
+        for mark, phase in zip_longest(marks, phases)
     ]
     return {
-        "goals": len(phases),
+        "goals": len(marks),
         "goals_met": sum(bool(phase["success"]) for phase in phases),
         "spl": _mean_share(info["spl"], marks),
         "spl_learning": _mean_share(info["spl_learning"], marks),
         "soft_spl": float(np.mean(soft)),
     }
+
+
+def _soft(phase: Mapping[str, Any], final: float) -> float:
+    """Soft SPL; where there is no way, whether the robot said so."""
+    if phase["oracle_length"] <= 0.0:
+        return float(phase["success"])
+    return soft_spl(phase["oracle_length"], phase["path_length"], final)
 
 
 def _mean_share(scores: Array, marks: Sequence[int]) -> float:

@@ -8,15 +8,17 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from agents import sweep
+from agents.cogmap import CogMapAgent
 from agents.rollout import run_episode
-from agents.sweep import COLUMNS, TIMES, Trial, run_here, run_on_ray, run_trial, trials_of
+from agents.sweep import COLUMNS, TIMES, Trial, broken_row, check_trials, run_trial, trials_of
+from agents.workers import run_here, run_on_ray
 from cogmap_gym.observation import LaserSpec, Observation, RobotSpec
 
 ROOT = Path(__file__).parents[1]
@@ -40,18 +42,34 @@ def test_a_trial_is_a_function_of_its_key() -> None:
     assert 0.0 < first["area"] <= first["coverage"] <= 1.0
 
 
-def test_a_trial_that_breaks_down_is_a_row_with_its_traceback(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def broken(_name: str, _seed: int = 0) -> None:
-        raise RuntimeError("out of\noil")
+class Lame(CogMapAgent):
+    """A robot that breaks down on its way."""
 
-    monkeypatch.setattr(sweep, "make_agent", broken)
-    row = run_trial(TRIAL)
+    def act(self, observation: Observation) -> np.ndarray[Any, Any]:
+        if observation["goal"]:
+            raise RuntimeError("out of\noil")
+        return super().act(observation)
+
+
+def test_a_trial_that_breaks_down_is_a_row_with_its_traceback() -> None:
+    lame = "tests.test_sweep:Lame"
+    row = run_trial(replace(TRIAL, agent=lame))
     assert row["error"].startswith("Traceback")
     assert "RuntimeError: out of" in row["error"]
     assert "\n" not in row["error"]
-    assert row["success"] is None
+    assert (row["success"], row["goals"], row["goals_met"], row["soft_spl"]) == (0, 1, 0, 0.0)
+    assert row["params"] == run_trial(replace(TRIAL, agent="cogmap"))["params"] != ""
+    assert tuple(row) == COLUMNS
+
+
+def test_a_broken_trial_misses_as_many_goals_as_it_had() -> None:
+    trial = Trial("tests.test_sweep:Lame", "goto", "office:1000", "medium", 1)
+    whole = run_trial(replace(trial, agent="random_walk"))
+    broken = broken_row(trial, "Traceback\nValueError: oops")
+    assert broken["goals"] == whole["goals"] >= 3
+    assert (broken["goals_met"], broken["spl"], broken["area"]) == (0, 0.0, 0.0)
+    exploring = broken_row(replace(trial, task="explore"), "Traceback")
+    assert (exploring["goals"], exploring["soft_spl"], exploring["area"]) == (None, None, 0.0)
 
 
 def test_every_combination_is_tried_and_unknown_tasks_are_refused() -> None:
@@ -60,6 +78,23 @@ def test_every_combination_is_tried_and_unknown_tasks_are_refused() -> None:
     assert [trial.agent for trial in trials[:2]] == ["a", "b"]
     with pytest.raises(ValueError, match="tasks: expected some of"):
         trials_of(["a"], ["swim"], ["m"], ["low"], range(1))
+    assert len(trials_of(["a"], ["home"], ["m"], ["low"], range(2), ["off", "busy"])) == 4
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"map": "no_such"}, "no_such"),
+        ({"odometry": "wild"}, "odometry: .*wild"),
+        ({"dynamics": "wild"}, "dynamics: .*wild"),
+        ({"task": "shortcut"}, "two_rooms"),
+        ({"task": "shortcut", "map": "thesis_office", "dynamics": "doors"}, "dynamics: .*doors"),
+    ],
+)
+def test_what_cannot_be_run_is_refused_at_once(changed: dict[str, str], message: str) -> None:
+    check_trials([TRIAL])
+    with pytest.raises(ValueError, match=message):
+        check_trials([TRIAL, replace(TRIAL, **changed)])
 
 
 def test_workers_give_the_rows_that_one_gives() -> None:

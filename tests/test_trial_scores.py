@@ -64,3 +64,15 @@ def test_goals_are_scored_together_and_one_never_begun_counts_nothing() -> None:
     assert scores["spl_learning"] == pytest.approx(1.0 / 3)
     assert scores["soft_spl"] == pytest.approx((0.5 + 0.5 + 0.0) / 3)
     assert goal_scores([], info, [])["goals"] is None
+
+
+def test_a_goal_that_was_never_begun_is_missed() -> None:
+    phases = [{"success": True, "oracle_length": 10.0, "path_length": 10.0}]
+    info = {
+        "final_distance": np.array([-1.0, -1.0, 0.0, -1.0]),
+        "spl": np.array([-1.0, -1.0, 1.0, -1.0]),
+        "spl_learning": np.array([-1.0, -1.0, 1.0, -1.0]),
+    }
+    scores = goal_scores(phases, info, [2, 3])
+    assert (scores["goals"], scores["goals_met"]) == (2, 1)
+    assert (scores["spl"], scores["soft_spl"]) == (0.5, 0.5)
