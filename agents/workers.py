@@ -56,6 +56,6 @@ def _row(ray: Any, task: Any, trial: Trial) -> Row:
     """What a worker brought; a broken row where none lived to bring one."""
     try:
         row: Row = ray.get(task)
-    except ray.exceptions.WorkerCrashedError:
+    except (ray.exceptions.WorkerCrashedError, ray.exceptions.OutOfMemoryError):
         return broken_row(trial, traceback.format_exc())
     return row
