@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 import traceback
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, fields, replace
@@ -10,28 +9,18 @@ from itertools import product
 from typing import Any
 
 import gymnasium as gym
-import numpy as np
-from numpy.typing import NDArray
 
 import cogmap_gym  # noqa: F401 - registers the environments
-from agents.base import Agent
 from agents.provenance import commit, params_of
 from agents.registry import make_agent, wrap
-from agents.rollout import Episode, run_episode
+from agents.rollout import run_episode
+from agents.trial_row import SCORES, Row, nothing, plan_columns, scores_of
+from agents.watch import Watch
 from cogmap_gym.courses import course_of
 from cogmap_gym.dynamics import dynamics_level
 from cogmap_gym.floor_plan import FloorPlan
-from cogmap_gym.geometry import Array
-from cogmap_gym.observation import Observation
+from cogmap_gym.peak_memory import forget_peak, peak_megabytes
 from cogmap_gym.sensors import OdometrySpec
-from cogmap_gym.trial_scores import (
-    CURVE_POINTS,
-    SHARES,
-    coverage_curve,
-    curve_area,
-    distance_to,
-    goal_scores,
-)
 
 TASKS = {
     "explore": "CogMap/Explore-v0",
@@ -40,19 +29,6 @@ TASKS = {
     "shortcut": "CogMap/Shortcut-v0",
 }
 """The environment of each task."""
-Row = dict[str, Any]
-GOAL_SCORES = ("spl", "spl_learning", "soft_spl")
-"""Scores of trials with goals."""
-SHARES_SEEN = ("coverage", "area")
-"""Scores of any trial."""
-SCORES = (
-    "success", "goals", "goals_met", *GOAL_SCORES, *SHARES_SEEN,
-    *(f"distance_{share:.0%}" for share in SHARES), "moves", "path_length", "collisions", "reward",
-    "curve", "cpu_ms", "map_bytes", "commit", "params", "error",
-)  # fmt: skip
-"""What a row tells of its trial."""
-TIMES = ("cpu_ms",)
-"""Columns that differ from run to run."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,49 +86,21 @@ def check_trials(trials: Iterable[Trial]) -> None:
         dynamics_level(trial.dynamics, trial.task)
 
 
-class _Watch:
-    """Keeps what the scores need, at each step."""
-
-    def __init__(self, agent: Agent) -> None:
-        self.agent = agent
-        self.seen: list[float] = []
-        self.driven: list[float] = []
-        self.bumps = 0
-        self.seconds: list[float] = []
-
-    def reset(self, *specs: Any) -> None:
-        self.agent.reset(*specs)
-
-    def act(self, observation: Observation) -> NDArray[np.float32]:
-        begun = time.process_time()
-        action = self.agent.act(observation)
-        self.seconds.append(time.process_time() - begun)
-        return action
-
-    def sketch(self) -> dict[str, Any] | None:
-        return self.agent.sketch()
-
-    def __call__(
-        self, _step: int, observation: Observation, _action: Any, info: dict[str, Any], _agent: Any
-    ) -> None:
-        self.seen.append(info["coverage"])
-        self.driven.append(info["path_length"])
-        self.bumps += int(observation["bump"])
-
-
 def run_trial(trial: Trial) -> Row:
     """Run one trial; one that breaks down is a row with its traceback, and all of it missed."""
-    params = ""
+    params, watches_memory = "", forget_peak()
     try:
         agent = make_agent(trial.agent, trial.seed)
         params = params_of(agent)
         made = made_env(trial)
-        watch = _Watch(agent)
+        watch = Watch(agent, made.unwrapped)
         episode = run_episode(wrap(trial.agent, made), watch, trial.seed, watch)
-        scores = _scores(watch, episode, made.unwrapped)
+        scores = scores_of(watch, episode, made.unwrapped, trial.map)
     except Exception:  # noqa: BLE001 - a failed trial is a row, too
         return broken_row(trial, traceback.format_exc(), params)
-    return _head(trial, params) | scores | {"map_bytes": getattr(agent, "map_bytes", None)}
+    peak = peak_megabytes() if watches_memory else None
+    cost = {"peak_mb": peak, "map_bytes": getattr(agent, "map_bytes", None)}
+    return _head(trial, params) | scores | cost
 
 
 def broken_row(trial: Trial, error: str, params: str = "") -> Row:
@@ -166,14 +114,10 @@ def broken_row(trial: Trial, error: str, params: str = "") -> Row:
     try:
         env: Any = made_env(trial)
         env.reset(seed=trial.seed)
-        goals = len(env.unwrapped.task.goals)
+        known = nothing(len(env.unwrapped.task.goals)) | plan_columns(env.unwrapped.plan, trial.map)
     except Exception:  # noqa: BLE001 - it may be the very error that is told
-        goals = 0
-    nothing = dict.fromkeys((*SHARES_SEEN, *(GOAL_SCORES if goals else ())), 0.0)
-    counts = {"success": 0, **({"goals": goals, "goals_met": 0} if goals else {})}
-    flat = curve_text(np.zeros(CURVE_POINTS))
-    told = {"curve": flat, "error": " | ".join(error.splitlines())}
-    return _head(trial, params) | nothing | counts | told
+        known = nothing(0)
+    return _head(trial, params) | known | {"error": " | ".join(error.splitlines())}
 
 
 def made_env(trial: Trial) -> gym.Env[Any, Any]:
@@ -186,28 +130,3 @@ def made_env(trial: Trial) -> gym.Env[Any, Any]:
 def _head(trial: Trial, params: str) -> Row:
     """A row with what is known of every trial."""
     return dict.fromkeys(COLUMNS) | asdict(trial) | {"commit": commit(), "params": params}
-
-
-def _scores(watch: _Watch, episode: Episode, world: Any) -> Row:
-    """The columns of an episode."""
-    seen = np.array([*watch.seen, episode.info["coverage"]])
-    driven = np.array([*watch.driven, episode.info["path_length"]])
-    goals = [phase for phase in episode.phases if phase["task"] != "explore"]
-    return {
-        "success": int(episode.is_success),
-        **goal_scores(goals, episode.info, world.task.goals),
-        "coverage": float(seen[-1]),
-        "area": curve_area(seen, world.max_moves),
-        **{f"distance_{share:.0%}": distance_to(share, seen, driven) for share in SHARES},
-        "moves": episode.steps,
-        "path_length": float(driven[-1]),
-        "collisions": watch.bumps,
-        "reward": episode.reward,
-        "curve": curve_text(coverage_curve(seen, world.max_moves)),
-        "cpu_ms": 1e3 * float(np.median(watch.seconds)),
-    }
-
-
-def curve_text(curve: Array) -> str:
-    """A curve as it stands in the file."""
-    return ";".join(f"{share:.4f}" for share in curve)

@@ -8,7 +8,8 @@ from typing import Any
 
 import joblib
 
-from agents.sweep import Row, Trial, broken_row, run_trial
+from agents.sweep import Trial, broken_row, run_trial
+from agents.trial_row import Row
 
 RETRIES = 3
 """A trial whose worker died is run again so often; then the robot is held to have killed it [-]."""

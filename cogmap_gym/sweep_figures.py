@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from cogmap_gym.colors import BLACK, BLUE, GREEN, ORANGE, PURPLE, ROOM_NAME, SKY, VERMILLION
 from cogmap_gym.dynamics import LEVELS as DYNAMICS
 from cogmap_gym.sweep_table import EXPLORE, LEVELS, Row, grouped, rate_of
+from cogmap_gym.trial_scores import TOURS
 
 COLORS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, BLACK, SKY, ROOM_NAME)
 """Of robots, in the order of their names; colour-blind safe."""
@@ -22,6 +23,13 @@ STYLES = ("-", "--", ":")
 """Of lines, where there are more robots than colours."""
 MARKERS = "osD^vP*X"
 """Of robots, in the order of their names."""
+
+
+CURVES = (
+    ("distance_curve", TOURS, "distance driven [lengths of the oracle's tour]"),
+    ("curve", 100.0, "moves [% of the budget]"),
+)
+"""Columns with coverage curves: where their axis ends, and what it says."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,22 +54,22 @@ def looks(rows: Sequence[Row]) -> dict[str, Look]:
 
 
 def curves_figure(rows: Sequence[Row]) -> Figure | None:
-    """The share seen against the share of the budget, a line a robot; None without a curve."""
-    told = [row for row in rows if row["task"] == EXPLORE and row["curve"]]
+    """The share seen against distance and against moves, a line a robot; None without a curve."""
+    told = [row for row in rows if row["task"] == EXPLORE and row["distance_curve"]]
     if not told:
         return None
-    figure = Figure(figsize=(7.0, 4.2), layout="constrained")
-    ax = figure.subplots()
-    drawn = looks(rows)
-    for (agent,), group in sorted(grouped(told, ("agent",)).items()):
-        middle = _middle_curve([row["curve"] for row in group])
-        at = np.linspace(0.0, 100.0, len(middle))
-        look = drawn[agent]
-        ax.plot(at, 100.0 * middle, look.style, color=look.color, label=agent)
-    ax.set(xlabel="moves [% of the budget]", ylabel="free area seen [%]", ylim=(0, 102))
-    ax.set_xlim(0, 100)
-    ax.grid(alpha=0.3)
-    ax.legend(fontsize="small", loc="lower right")
+    figure = Figure(figsize=(10.5, 4.2), layout="constrained")
+    axes, drawn = figure.subplots(1, 2, sharey=True), looks(rows)
+    for ax, (column, end, axis) in zip(axes, CURVES, strict=True):
+        for (agent,), group in sorted(grouped(told, ("agent",)).items()):
+            middle, look = _middle_curve([row[column] for row in group]), drawn[agent]
+            at = np.linspace(0.0, end, len(middle))
+            ax.plot(at, 100.0 * middle, look.style, color=look.color, marker=look.marker,
+                    markevery=4, ms=4, label=agent)  # fmt: skip
+        ax.set(xlabel=axis, ylim=(0, 102), xlim=(0, end))
+        ax.grid(alpha=0.3)
+    axes[0].set_ylabel("free area seen [%]")
+    axes[1].legend(fontsize="small", loc="lower right")
     return figure
 
 
@@ -85,15 +93,39 @@ class Factor:
     """The class of a trial; None where it has none."""
 
 
+def _binned(column: str, *starts: int) -> tuple[tuple[str, ...], Callable[[Row], str | None]]:
+    """Classes of whole numbers from each start up to the next, and the class of a row."""
+    ends = [start - 1 for start in starts[1:]]
+    names = [f"{a}" if a == b else f"{a} to {b}" for a, b in zip(starts, ends, strict=False)]
+    names.append(f"{starts[-1]} or more")
+
+    def class_of(row: Row) -> str | None:
+        if not row[column]:
+            return None
+        return names[int(np.searchsorted(starts, float(row[column]), side="right")) - 1]
+
+    return tuple(names), class_of
+
+
 FACTORS = (
     Factor("Success against drift", "odometry [level]", LEVELS, lambda row: row["odometry"]),
     Factor(
-        "Success in a living office",
-        "dynamics [level]",
-        tuple(DYNAMICS),
+        "Success against office size", "free area [m²]",
+        *_binned("plan_area", 0, 100, 200, 400, 800),
+    ),
+    Factor(
+        "Success in a living office", "dynamics [level]", tuple(DYNAMICS),
         lambda row: row["dynamics"],
     ),
-)
+    Factor(
+        "Success against furniture moved", "boxes moved since exploring",
+        *_binned("boxes_moved", 0, 1, 3, 6),
+    ),
+    Factor(
+        "Success against doors changed", "doors changed since exploring",
+        *_binned("doors_changed", 0, 1, 2, 4),
+    ),
+)  # fmt: skip
 """What the robustness envelope is drawn over."""
 
 

@@ -27,7 +27,7 @@ LEVELS = ("perfect", "low", "medium", "high", "severe")
 """Odometry levels, the best first."""
 EXPLORE = "explore"
 """The task without a goal."""
-SCORES = {EXPLORE: "area"}
+SCORES = {EXPLORE: "coverage_auc"}
 """The column of a task's score ..."""
 GOAL_SCORE = "soft_spl"
 """... and that of the tasks with goals."""
@@ -35,8 +35,8 @@ SETTING = ("task", "odometry", "dynamics")
 """What robots are compared within."""
 TRIAL = (*SETTING, "map", "seed")
 """What is the same for all robots on a trial."""
-MEDIANS = ("cpu_ms", "map_bytes")
-"""Columns that a table tells the median of."""
+NEVER = ("distance_90%", "distance_95%", "tour_ratio")
+"""Columns that are empty where the robot never got so far: then they are infinite."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +54,6 @@ class Cell:
     """Share of the goals met (explore: of the trials that saw 95 %)."""
     score: Interval
     """Interquartile mean of the score."""
-    medians: Mapping[str, float]
-    """Of each of ``MEDIANS``, over the trials that tell it; NaN where none does."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,14 +152,22 @@ def _cell(key: tuple[str, ...], rows: Sequence[Row], rng: np.random.Generator) -
         sum(bool(row["error"]) for row in rows),
         rate_of(rows, rng),
         interval_of(strata, interquartile_mean_of, rng),
-        {name: median(rows, name) for name in MEDIANS},
     )
 
 
-def median(rows: Sequence[Row], column: str) -> float:
-    """The median over the rows that tell a column; NaN where none does."""
+def quartiles(rows: Sequence[Row], column: str) -> Interval:
+    """The median, and the lower and the upper quartile, of a column; NaN where no row tells it.
+
+    They are values that were seen, the lower of two. What was never reached is infinite; else
+    rows that do not tell a column, such as those of trials that broke down, are left out.
+    """
     held = [float(row[column]) for row in rows if row[column]]
-    return float(np.median(held)) if held else float("nan")
+    if column in NEVER and rows and rows[0]["task"] == EXPLORE:
+        held += [float("inf")] * (len(rows) - len(held))
+    if not held:
+        return float("nan"), float("nan"), float("nan")
+    middle, low, high = np.quantile(held, (0.5, 0.25, 0.75), method="lower").tolist()
+    return middle, low, high
 
 
 def _common(ours: Sequence[Row], theirs: Sequence[Row]) -> tuple[list[Row], list[Row]]:

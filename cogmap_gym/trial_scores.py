@@ -12,6 +12,10 @@ from cogmap_gym.geometry import Array
 
 CURVE_POINTS = 21
 """Points of a coverage curve, evenly over the budget of moves [-]."""
+TOURS = 4.0
+"""A coverage curve against distance goes to so many lengths of the oracle's tour [-]. Ours."""
+LEAST_HORIZON_M = 10.0
+"""... and at least so far, where all is seen from home [m]. Ours."""
 SHARES = (0.9, 0.95)
 """Shares of the free area whose distance is told [-]."""
 
@@ -49,6 +53,45 @@ def curve_area(seen: Array, moves: int) -> float:
     """The mean share seen over the whole budget of moves, 0 to 1."""
     every = np.minimum(np.arange(moves + 1), len(seen) - 1)
     return float(seen[every].mean())
+
+
+def horizon(tour: float) -> float:
+    """Up to which distance coverage is told on a plan, the same for all robots [m].
+
+    Args:
+        tour: length of the oracle's tour [m].
+    """
+    return max(TOURS * tour, LEAST_HORIZON_M)
+
+
+def distance_curve(seen: Array, driven: Array, far: float, points: int = CURVE_POINTS) -> Array:
+    """The share seen by the time that so far was driven, (points,), evenly from 0 to ``far``.
+
+    Args:
+        seen: (T,), the share seen at each move.
+        driven: (T,), metres driven by then.
+        far: the horizon [m].
+        points: of the curve.
+    """
+    rows = np.searchsorted(driven, np.linspace(0.0, far, points), side="right") - 1
+    return np.asarray(seen[np.maximum(rows, 0)])
+
+
+def distance_area(seen: Array, driven: Array, far: float) -> float:
+    """The area under the share seen against the distance driven, over the horizon: 0 to 1.
+
+    What a robot has seen it has seen; one that stops keeps its share. So the mean over distance of
+    a step function (the "coverage AUC" of exploration benchmarks, as D. S. Chaplot, D. Gandhi, S.
+    Gupta, A. Gupta and R. Salakhutdinov, "Learning to explore using active neural SLAM", ICLR 2020,
+    plot it over steps).
+
+    Args:
+        seen: (T,), the share seen at each move.
+        driven: (T,), metres driven by then.
+        far: the horizon [m].
+    """
+    edges = np.append(np.minimum(driven, far), far)
+    return float((seen * np.diff(edges)).sum() / far)
 
 
 def distance_to(share: float, seen: Array, driven: Array) -> float | None:

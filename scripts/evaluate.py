@@ -23,17 +23,22 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemaining
 
 from agents.provenance import check_rows
 from agents.registry import AGENTS, is_available
-from agents.sweep import COLUMNS, KEY, TASKS, Row, Trial, check_trials, trials_of
+from agents.sweep import COLUMNS, KEY, TASKS, Trial, check_trials, trials_of
+from agents.trial_row import Row
 from agents.workers import run_here, run_on_ray
 from cogmap_gym.dynamics import LEVELS
 from cogmap_gym.result_file import ResultFile
 from cogmap_gym.saving import write_whole
 from cogmap_gym.sweep_figures import FACTORS, curves_figure, met_figure
+from cogmap_gym.sweep_paths import paths_figure
 from cogmap_gym.sweep_report import report_page
 from cogmap_gym.sweep_table import cells, duels
 
-QUICK = ("random_walk,wall_follower,frontier_odometry,cogmap", "explore,home", "two_rooms,office:0")
-"""Robots, tasks and maps of --quick."""
+QUICK = (
+    "random_walk,wall_follower,frontier_odometry,cogmap", "explore,home", "two_rooms,office:0",
+    "low,high", "off,busy",
+)  # fmt: skip
+"""Robots, tasks, maps, levels of odometry and of dynamics of --quick."""
 
 
 def wanted(
@@ -78,10 +83,13 @@ def report(results: ResultFile, baseline: str, out: Path) -> None:
     rows, rng = results.rows(), np.random.default_rng(0)
     drawn = {"Coverage": curves_figure(rows)}
     drawn |= {factor.title: met_figure(rows, factor, rng) for factor in FACTORS}
+    drawn |= {f"Paths, {task}": paths_figure(rows, task) for task in TASKS}
     pictures = {title: figure for title, figure in drawn.items() if figure is not None}
     for title, figure in pictures.items():
         for ending in ("png", "pdf"):
-            figure.savefig(out / f"{title.lower().replace(' ', '_')}.{ending}", dpi=180)
+            figure.savefig(
+                out / f"{title.lower().replace(',', '').replace(' ', '_')}.{ending}", dpi=180
+            )
     page = report_page(rows, cells(rows, rng), duels(rows, baseline, rng), baseline, pictures)
     write_whole(out / "report.html", page.encode())
     print(results.path, out / "report.html", sep="\n")
@@ -106,7 +114,7 @@ def main(
 ) -> None:
     """Run the trials, and write the table and the page."""
     if quick:
-        (agents, tasks, maps), seeds = QUICK, 1
+        (agents, tasks, maps, odometry, dynamics), seeds = QUICK, 1
     robots = agents.split(",")
     try:
         if baseline not in (None, *robots):

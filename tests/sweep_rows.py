@@ -21,6 +21,10 @@ GOALS = [
     ),
 ]  # fmt: skip
 SEEN = [
-    row("a", "explore", "low", 0, success=1, area=0.9, curve="0.1;0.9;1.0"),
-    row("a", "explore", "high", 0, success=0, area=0.5, curve="0.1;0.5;0.6"),
-]
+    row("a", "explore", "low", 0, success=1, coverage_auc=0.9, curve="0.1;0.9;1.0",
+        distance_curve="0.1;0.8;1.0", path="1.00,1.00;3.00,1.00", marks="1,2.00,2.50",
+        coverage=0.96, path_length=2.0, plan_area=38.5, map="two_rooms", boxes_moved=0,
+        doors_changed=1),
+    row("a", "explore", "high", 0, success=0, coverage_auc=0.5, curve="0.1;0.5;0.6",
+        distance_curve="0.1;0.4;0.6", plan_area=250, boxes_moved=4, doors_changed=7),
+]  # fmt: skip

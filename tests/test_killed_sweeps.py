@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 
 from agents.random_walk import RandomWalkAgent
-from agents.sweep import COLUMNS, KEY, TIMES, Trial, run_trial
+from agents.sweep import COLUMNS, KEY, Trial, run_trial
+from agents.trial_row import TIMES
 from agents.workers import RETRIES, run_on_ray
 from cogmap_gym.observation import Observation
 

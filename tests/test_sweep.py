@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from agents.cogmap import CogMapAgent
-from agents.sweep import COLUMNS, TIMES, Trial, broken_row, check_trials, run_trial, trials_of
+from agents.sweep import COLUMNS, Trial, broken_row, check_trials, run_trial, trials_of
+from agents.trial_row import TIMES
 from agents.workers import run_here
 from cogmap_gym.observation import Observation
 

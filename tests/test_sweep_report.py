@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from cogmap_gym.sweep_figures import FACTORS, curves_figure, looks, met_figure
+from cogmap_gym.sweep_paths import paths_figure
 from cogmap_gym.sweep_report import report_page
 from cogmap_gym.sweep_table import Row, cells, duels
 from tests.sweep_rows import GOALS, SEEN, row
@@ -49,11 +50,48 @@ def test_what_the_rows_do_not_hold_is_left_out() -> None:
 
 
 def test_a_curve_is_the_middle_of_all_trials_broken_ones_too() -> None:
-    rows = [row("a", "explore", "low", k, curve=c) for k, c in enumerate(("0;1", "0;1", "0;0"))]
+    told = enumerate(("0;1", "0;1", "0;0"))
+    rows = [row("a", "explore", "low", k, curve=c, distance_curve=c) for k, c in told]
     figure = curves_figure(rows)
     assert figure is not None
-    (line,) = figure.axes[0].lines
-    assert np.asarray(line.get_ydata()).tolist() == pytest.approx([0.0, 200 / 3])
+    for ax in figure.axes:
+        (line,) = ax.lines
+        assert np.asarray(line.get_ydata()).tolist() == pytest.approx([0.0, 200 / 3])
+        assert "[" in ax.get_xlabel()
+
+
+@pytest.mark.parametrize(
+    ("title", "classes"),
+    [
+        ("Success against drift", ["low", "high"]),
+        ("Success against office size", ["0 to 99", "200 to 399"]),
+        ("Success against furniture moved", ["0", "3 to 5"]),
+        ("Success against doors changed", ["1", "4 or more"]),
+    ],
+)
+def test_the_envelope_has_the_classes_that_were_seen(title: str, classes: list[str]) -> None:
+    (factor,) = (factor for factor in FACTORS if factor.title == title)
+    figure = met_figure(SEEN, factor, rng())
+    assert figure is not None
+    assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == classes
+
+
+def test_a_level_that_does_not_vary_is_no_figure() -> None:
+    (factor,) = (factor for factor in FACTORS if "living" in factor.title)
+    assert met_figure(SEEN, factor, rng()) is None
+
+
+def test_paths_are_drawn_a_panel_a_robot_on_the_trial_of_most_robots() -> None:
+    alone = {**SEEN[0], "seed": "7"}
+    rows = [alone, *({**SEEN[0], "agent": name} for name in ("a", "b", "c"))]
+    figure = paths_figure(rows, "explore")
+    assert figure is not None
+    assert len(figure.axes) == 3
+    assert [ax.get_title().split(":")[0] for ax in figure.axes] == ["a", "b", "c"]
+    path = figure.axes[0].lines[0]
+    assert np.asarray(path.get_xydata()).tolist() == [[1.0, 1.0], [3.0, 1.0]]
+    assert "seed 0" in str(figure.get_suptitle())
+    assert paths_figure(rows, "goto") is None
 
 
 def test_success_is_drawn_at_its_level_with_a_line_a_robot() -> None:
