@@ -1,29 +1,26 @@
-"""Trials of robots in tasks: each a row, a pure function of its key, run by many workers."""
+"""Trials of robots in tasks: each a row, a pure function of its key."""
 
 from __future__ import annotations
 
-import hashlib
-import subprocess
-import time
 import traceback
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, fields, replace
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import gymnasium as gym
-import joblib
-import numpy as np
-from numpy.typing import NDArray
 
 import cogmap_gym  # noqa: F401 - registers the environments
-from agents.base import Agent
+from agents.provenance import commit, params_of
 from agents.registry import make_agent, wrap
-from agents.rollout import Episode, run_episode
-from cogmap_gym.observation import Observation
-from cogmap_gym.tasks import HOME
-from cogmap_gym.trial_scores import SHARES, coverage_curve, curve_area, distance_to, goal_scores
+from agents.rollout import run_episode
+from agents.trial_row import SCORES, Row, nothing, plan_columns, scores_of
+from agents.watch import Watch
+from cogmap_gym.courses import course_of
+from cogmap_gym.dynamics import dynamics_level
+from cogmap_gym.floor_plan import FloorPlan
+from cogmap_gym.peak_memory import forget_peak, peak_megabytes
+from cogmap_gym.sensors import OdometrySpec
 
 TASKS = {
     "explore": "CogMap/Explore-v0",
@@ -32,15 +29,6 @@ TASKS = {
     "shortcut": "CogMap/Shortcut-v0",
 }
 """The environment of each task."""
-Row = dict[str, Any]
-SCORES = (
-    "success", "goals", "goals_met", "spl", "spl_learning", "soft_spl", "coverage", "area",
-    *(f"distance_{share:.0%}" for share in SHARES), "moves", "path_length", "collisions", "reward",
-    "curve", "cpu_ms", "map_bytes", "commit", "params", "error",
-)  # fmt: skip
-"""What a row tells of its trial."""
-TIMES = ("cpu_ms",)
-"""Columns that differ from run to run."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +40,7 @@ class Trial:
     map: str
     odometry: str
     seed: int
+    dynamics: str = "off"
 
     @property
     def key(self) -> tuple[str, ...]:
@@ -69,6 +58,7 @@ def trials_of(
     maps: Sequence[str],
     levels: Sequence[str],
     seeds: Iterable[int],
+    dynamics: Sequence[str] = ("off",),
 ) -> list[Trial]:
     """Every combination; all robots on a trial before the next, so that few hours tell much.
 
@@ -77,127 +67,66 @@ def trials_of(
     """
     if unknown := set(tasks) - set(TASKS):
         raise ValueError(f"tasks: expected some of {sorted(TASKS)}, got {sorted(unknown)}")
-    every = product(seeds, maps, levels, tasks, agents)
-    return [Trial(agent, task, plan, level, seed) for seed, plan, level, task, agent in every]
+    every = product(seeds, dynamics, maps, levels, tasks, agents)
+    return [Trial(agent, task, plan, level, seed, d) for seed, d, plan, level, task, agent in every]
 
 
-class _Watch:
-    """Keeps what the scores need, at each step."""
+def check_trials(trials: Iterable[Trial]) -> None:
+    """See that every task can be set on its map, before hours go by.
 
-    def __init__(self, agent: Agent) -> None:
-        self.agent = agent
-        self.seen: list[float] = []
-        self.driven: list[float] = []
-        self.bumps = 0
-        self.seconds: list[float] = []
-
-    def reset(self, *specs: Any) -> None:
-        self.agent.reset(*specs)
-
-    def act(self, observation: Observation) -> NDArray[np.float32]:
-        begun = time.process_time()
-        action = self.agent.act(observation)
-        self.seconds.append(time.process_time() - begun)
-        return action
-
-    def sketch(self) -> dict[str, Any] | None:
-        return self.agent.sketch()
-
-    def __call__(
-        self, _step: int, observation: Observation, _action: Any, info: dict[str, Any], _agent: Any
-    ) -> None:
-        self.seen.append(info["coverage"])
-        self.driven.append(info["path_length"])
-        self.bumps += int(observation["bump"])
+    Raises:
+        ValueError: a plan that cannot be read, or lacks what a task needs; a level of odometry or
+            of dynamics that is none, or not for a task.
+    """
+    settings = dict.fromkeys(replace(trial, agent="", seed=0) for trial in trials)
+    plans = {name: FloorPlan.load(name) for name in dict.fromkeys(t.map for t in settings)}
+    for trial in settings:
+        course_of(trial.task, None).check(plans[trial.map])
+        OdometrySpec.of(trial.odometry)
+        dynamics_level(trial.dynamics, trial.task)
 
 
 def run_trial(trial: Trial) -> Row:
-    """Run one trial; one that breaks down is a row with its traceback."""
-    row: Row = dict.fromkeys(COLUMNS) | asdict(trial) | {"commit": commit()}
+    """Run one trial; one that breaks down is a row with its traceback, and all of it missed."""
+    params, watches_memory = "", forget_peak()
     try:
         agent = make_agent(trial.agent, trial.seed)
-        made = gym.make(TASKS[trial.task], map=trial.map, odometry=trial.odometry)
-        env = wrap(trial.agent, made)
-        watch = _Watch(agent)
-        episode = run_episode(env, watch, trial.seed, watch)
-        row |= _scores(watch, episode, made.unwrapped) | {"params": params_of(agent)}
-        row["map_bytes"] = getattr(agent, "map_bytes", None)
+        params = params_of(agent)
+        made = made_env(trial)
+        watch = Watch(agent, made.unwrapped)
+        episode = run_episode(wrap(trial.agent, made), watch, trial.seed, watch)
+        scores = scores_of(watch, episode, made.unwrapped, trial.map)
     except Exception:  # noqa: BLE001 - a failed trial is a row, too
-        row["error"] = " | ".join(traceback.format_exc().splitlines())
-    return row
+        return broken_row(trial, traceback.format_exc(), params)
+    peak = peak_megabytes() if watches_memory else None
+    cost = {"peak_mb": peak, "map_bytes": getattr(agent, "map_bytes", None)}
+    return _head(trial, params) | scores | cost
 
 
-def _scores(watch: _Watch, episode: Episode, world: Any) -> Row:
-    """The columns of an episode."""
-    seen = np.array([*watch.seen, episode.info["coverage"]])
-    driven = np.array([*watch.driven, episode.info["path_length"]])
-    goals = [phase for phase in episode.phases if phase["task"] != "explore"]
-    marks = [_mark(phase["task"]) for phase in goals]
-    curve = coverage_curve(seen, world.max_moves)
-    return {
-        "success": int(episode.is_success),
-        **goal_scores(goals, episode.info, marks),
-        "coverage": float(seen[-1]),
-        "area": curve_area(seen, world.max_moves),
-        **{f"distance_{share:.0%}": distance_to(share, seen, driven) for share in SHARES},
-        "moves": episode.steps,
-        "path_length": float(driven[-1]),
-        "collisions": watch.bumps,
-        "reward": episode.reward,
-        "curve": ";".join(f"{share:.4f}" for share in curve),
-        "cpu_ms": 1e3 * float(np.median(watch.seconds)),
-    }
-
-
-def _mark(task: str) -> int:
-    return HOME if task == "home" else int(task.partition(":")[2])
-
-
-def params_of(agent: Any) -> str:
-    """The same for the same parameters alone; empty for a robot without any."""
-    params = getattr(agent, "params", None)
-    return "" if params is None else hashlib.sha256(repr(params).encode()).hexdigest()[:12]
-
-
-def commit() -> str:
-    """The commit of the code, with a plus where it was changed since; empty outside git."""
-    here = Path(__file__).parent
-    told = subprocess.run(
-        ["git", "describe", "--always", "--dirty=+"],  # noqa: S607 - git as the user has it
-        cwd=here, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    return told.stdout.strip()
-
-
-def run_here(trials: Sequence[Trial], workers: int) -> Iterator[Row]:
-    """Rows as they come, from processes of this machine."""
-    jobs = (joblib.delayed(run_trial)(trial) for trial in trials)
-    pool = joblib.Parallel(workers, return_as="generator_unordered", batch_size=1)
-    yield from pool(jobs)
-
-
-def run_on_ray(trials: Sequence[Trial], address: str) -> Iterator[Row]:
-    """Rows as they come, from the workers of a Ray cluster.
+def broken_row(trial: Trial, error: str, params: str = "") -> Row:
+    """The row of a trial that broke down: its scores are nought, and all its goals are missed.
 
     Args:
-        trials: what to run; one whose worker died is run again elsewhere.
-        address: of the cluster, as in ``ray.init``; ``local`` starts one here.
-
-    Raises:
-        ModuleNotFoundError: Ray, the extra ``cluster``, is not installed.
+        trial: what was run.
+        error: the traceback.
+        params: the digest of the robot's parameters, as far as there was a robot.
     """
-    import ray
-
-    ray.init(address=None if address == "local" else address, log_to_driver=False)
     try:
-        remote = ray.remote(max_retries=-1)(run_trial)
-        room = 2 * max(int(ray.cluster_resources().get("CPU", 1)), 1)
-        waiting = list(trials)[::-1]
-        running: list[Any] = []
-        while waiting or running:
-            while waiting and len(running) < room:
-                running.append(remote.remote(waiting.pop()))
-            done, running = ray.wait(running)
-            yield from ray.get(done)
-    finally:
-        ray.shutdown()
+        env: Any = made_env(trial)
+        env.reset(seed=trial.seed)
+        known = nothing(len(env.unwrapped.task.goals)) | plan_columns(env.unwrapped.plan, trial.map)
+    except Exception:  # noqa: BLE001 - it may be the very error that is told
+        known = nothing(0)
+    return _head(trial, params) | known | {"error": " | ".join(error.splitlines())}
+
+
+def made_env(trial: Trial) -> gym.Env[Any, Any]:
+    """The environment of a trial, for a robot that is told nothing more."""
+    return gym.make(
+        TASKS[trial.task], map=trial.map, odometry=trial.odometry, dynamics=trial.dynamics
+    )
+
+
+def _head(trial: Trial, params: str) -> Row:
+    """A row with what is known of every trial."""
+    return dict.fromkeys(COLUMNS) | asdict(trial) | {"commit": commit(), "params": params}

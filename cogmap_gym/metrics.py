@@ -40,7 +40,7 @@ MOST_GROWTH = 0.2
 """Largest growth of the number of surfaces from lap 1 to lap 2 [-]. Issue 2 (c)."""
 
 
-def wilson(successes: int, trials: int) -> tuple[float, float]:
+def wilson(successes: float, trials: int) -> tuple[float, float]:
     """The Wilson 95 % score interval of a rate (E. B. Wilson, JASA 22, 1927).
 
     Returns:

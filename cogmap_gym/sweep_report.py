@@ -1,6 +1,6 @@
-"""The page of a sweep: who did how well in which task, with intervals, and its figures.
+"""The page of a sweep, self-contained: tables with intervals, figures, failures, where it is from.
 
-A row is what ``agents/sweep.py`` writes, as text. What the rows do not hold is left out.
+A row is what ``agents/sweep.py`` writes, as text.
 """
 
 from __future__ import annotations
@@ -8,217 +8,189 @@ from __future__ import annotations
 import base64
 import html
 import io
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from cogmap_gym.colors import BLACK, BLUE, GREEN, ORANGE, PURPLE, ROOM_NAME, SKY, VERMILLION
-from cogmap_gym.metrics import wilson
-from cogmap_gym.statistics import Strata, bootstrap, interquartile_mean_of
+from cogmap_gym.statistics import Interval
+from cogmap_gym.sweep_table import EXPLORE, Cell, Duel, Row, grouped, quartiles
 
-Row = Mapping[str, str]
-LEVELS = ("perfect", "low", "medium", "high", "severe")
-"""Odometry levels, the best first."""
-COLORS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, BLACK, SKY, ROOM_NAME)
-"""Of robots, in the order of their names; colour-blind safe."""
-STYLES = ("-", "--", ":")
-"""Of lines, where there are more robots than colours."""
-EXPLORE = "explore"
-"""The task without a goal."""
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>cogmap_gym: sweep</title><style>
-body {{ font: 15px/1.5 sans-serif; max-width: 70em; margin: 2em auto; padding: 0 1em; }}
+body {{ font: 15px/1.5 sans-serif; max-width: 75em; margin: 2em auto; padding: 0 1em; }}
 table {{ border-collapse: collapse; margin: 1em 0; }}
 th, td {{ padding: 0.25em 0.8em; text-align: right; border-bottom: 1px solid #ddd; }}
 th:first-child, td:first-child {{ text-align: left; }}
 img {{ max-width: 100%; }}
+div {{ overflow-x: auto; font-size: 85%; }}
 </style></head><body>
 <h1>Sweep</h1>
 <p>{head}</p>
 {body}
 </body></html>
 """
+INTERVALS = (
+    "In brackets 95 % intervals. Rates of one outcome a trial: Wilson. Rates of several goals a "
+    "trial: cluster bootstrap, which draws trials, not goals, within each map. Scores: "
+    "interquartile mean, bootstrap stratified by map. A trial that broke down scores 0 and "
+    "misses all its goals."
+)
+QUARTILES = (
+    "Medians, in brackets quartiles, over the trials that tell it; a distance that was never "
+    "reached is infinite. Distances to a share of the free area seen; the ratio is that to 95 % "
+    "over a near-optimal tour on the true plan. ATE and RPE of the pose believed at the time."
+)
+MEASURES = {
+    "distance_90%": ("to 90 % [m]", ".0f", 1.0),
+    "distance_95%": ("to 95 % [m]", ".0f", 1.0),
+    "tour_ratio": ("over the tour", ".1f", 1.0),
+    "spl": ("SPL", ".2f", 1.0),
+    "collisions": ("contacts", ".0f", 1.0),
+    "moves": ("moves", ".0f", 1.0),
+    "path_length": ("way [m]", ".0f", 1.0),
+    "ate": ("ATE [m]", ".2f", 1.0),
+    "rpe": ("RPE over 10 m [m]", ".2f", 1.0),
+    "pointing_home": ("pointing home [deg]", ".1f", 1.0),
+    "pointing_places": ("pointing to places [deg]", ".1f", 1.0),
+    "map_scale": ("scale of the map", ".2f", 1.0),
+    "map_distortion": ("distortion index [%]", ".1f", 1.0),
+    "rooms_found": ("rooms found [%]", ".0f", 100.0),
+    "link_precision": ("link precision [%]", ".0f", 100.0),
+    "link_recall": ("link recall [%]", ".0f", 100.0),
+    "edit_distance": ("edit distance", ".0f", 1.0),
+    "exit_order": ("exits in order [%]", ".0f", 100.0),
+    "cpu_ms": ("CPU a step [ms]", ".1f", 1.0),
+    "peak_mb": ("peak memory [MB]", ".0f", 1.0),
+    "map_bytes": ("map [kB]", ".0f", 1e-3),
+}
+"""Columns of the second table of a task: head, form, and factor from the file's unit."""
+DUELS = (
+    "Both on the same trials. Difference: mean of the score's differences, paired by trial. Beats: "
+    "probability of improvement, the share of pairs of trials on a map in which the robot's score "
+    "is the higher, a draw counting half. In brackets 95 % intervals, bootstrap stratified by map."
+)
 
 
-@dataclass(frozen=True, slots=True)
-class Cell:
-    """One robot in one task at one odometry level."""
+def report_page(
+    rows: Sequence[Row],
+    found: Sequence[Cell],
+    against: Sequence[Duel],
+    baseline: str,
+    pictures: Mapping[str, Figure],
+) -> str:
+    """The whole page as HTML, pictures within.
 
-    agent: str
-    task: str
-    odometry: str
-    trials: int
-    failed: int
-    """Trials that broke down."""
-    rate: tuple[float, float, float]
-    """Share of the goals met (explore: of the trials that saw 95 %), and its Wilson interval."""
-    score: tuple[float, float, float]
-    """Interquartile mean of the score (explore: ``area``; else ``soft_spl``), and its interval."""
-    cpu_ms: float
-    """Median over the trials of the median CPU time of a step."""
-    map_bytes: float
-    """Median size of the map at the end; NaN where the robot does not tell."""
-
-
-def cells(rows: Sequence[Row], rng: np.random.Generator) -> list[Cell]:
-    """The leaderboard, by task and level, the best rate first."""
-    keys = dict.fromkeys((row["task"], row["odometry"], row["agent"]) for row in rows)
-    found = [
-        _cell(key, [r for r in rows if (r["task"], r["odometry"], r["agent"]) == key], rng)
-        for key in keys
-    ]
-    return sorted(found, key=lambda c: (c.task, LEVELS.index(c.odometry), -c.rate[0], c.agent))
-
-
-def _cell(key: tuple[str, str, str], rows: Sequence[Row], rng: np.random.Generator) -> Cell:
-    task, odometry, agent = key
-    sound = [row for row in rows if not row["error"]]
-    if task == EXPLORE:
-        met, asked = sum(row["success"] == "1" for row in sound), len(rows)
-    else:
-        met = sum(int(row["goals_met"]) for row in sound)
-        asked = sum(int(row["goals"]) for row in sound) + len(rows) - len(sound)
-    strata = scores_by_map(sound, "area" if task == EXPLORE else "soft_spl")
-    middle = interquartile_mean_of(strata) if strata else float("nan")
-    return Cell(
-        agent,
-        task,
-        odometry,
-        len(rows),
-        len(rows) - len(sound),
-        (met / asked if asked else float("nan"), *wilson(met, asked)),
-        (middle, *bootstrap(strata, interquartile_mean_of, rng)),
-        _median(sound, "cpu_ms"),
-        _median(sound, "map_bytes"),
-    )
-
-
-def scores_by_map(rows: Sequence[Row], column: str) -> Strata:
-    """The scores of a column, an array a map, in the order of the seeds."""
-    maps = dict.fromkeys(row["map"] for row in rows)
-    held = ([row for row in rows if row["map"] == name and row[column]] for name in maps)
-    return [np.array([float(r[column]) for r in sorted(some, key=_seed)]) for some in held if some]
-
-
-def _seed(row: Row) -> int:
-    return int(row["seed"])
-
-
-def _median(rows: Sequence[Row], column: str) -> float:
-    held = [float(row[column]) for row in rows if row[column]]
-    return float(np.median(held)) if held else float("nan")
-
-
-def curves_figure(rows: Sequence[Row]) -> Figure | None:
-    """The share seen against the share of the budget, a line a robot; None without a curve."""
-    told = [row for row in rows if row["task"] == EXPLORE and row["curve"]]
-    if not told:
-        return None
-    figure = Figure(figsize=(7.0, 4.2), layout="constrained")
-    ax = figure.subplots()
-    for k, agent in enumerate(sorted({row["agent"] for row in told})):
-        every = np.array([_curve(row) for row in told if row["agent"] == agent])
-        middle = np.sort(every, axis=0)[len(every) // 4 : -(len(every) // 4) or None].mean(axis=0)
-        at = np.linspace(0.0, 100.0, len(middle))
-        ax.plot(at, 100.0 * middle, STYLES[k // len(COLORS)], color=_color(k), label=agent)
-    ax.set(
-        xlabel="moves [% of the budget]", ylabel="free area seen [%]", ylim=(0, 102), xlim=(0, 100)
-    )
-    ax.grid(alpha=0.3)
-    ax.legend(fontsize="small", loc="lower right")
-    return figure
-
-
-def _curve(row: Row) -> list[float]:
-    return [float(share) for share in row["curve"].split(";")]
-
-
-def _color(k: int) -> str:
-    return COLORS[k % len(COLORS)]
-
-
-def drift_figure(found: Sequence[Cell]) -> Figure | None:
-    """Goals met against odometry, a panel a task; None with one level alone."""
-    levels = [level for level in LEVELS if any(c.odometry == level for c in found)]
-    tasks = list(dict.fromkeys(c.task for c in found))
-    if len(levels) < 2:
-        return None
-    figure = Figure(figsize=(3.4 * len(tasks) + 1.6, 3.6), layout="constrained")
-    axes = figure.subplots(1, len(tasks), sharey=True, squeeze=False)
-    agents = sorted({c.agent for c in found})
-    for ax, task in zip(axes[0], tasks, strict=True):
-        for k, agent in enumerate(agents):
-            mine = {c.odometry: c.rate for c in found if (c.task, c.agent) == (task, agent)}
-            at = [i for i, level in enumerate(levels) if level in mine]
-            rates = 100.0 * np.array([mine[levels[i]] for i in at]).reshape(-1, 3)
-            spread = np.abs(rates[:, 1:] - rates[:, :1]).T
-            aside = 0.05 * (k - 0.5 * (len(agents) - 1))
-            style = STYLES[k // len(COLORS)]
-            ax.errorbar(np.array(at) + aside, rates[:, 0], spread, ls=style, marker="o", ms=3,
-                        lw=1.2, color=_color(k), label=agent)  # fmt: skip
-        ax.set(title=task, xlabel="odometry", ylim=(-2, 102))
-        ax.set_xticks(range(len(levels)), levels)
-        ax.grid(alpha=0.3)
-    axes[0, 0].set_ylabel("met [%]")
-    axes[0, -1].legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
-    return figure
-
-
-def report_page(rows: Sequence[Row], found: Sequence[Cell], pictures: Mapping[str, Figure]) -> str:
-    """The whole page as HTML, pictures within."""
-    body = [_table(task, [c for c in found if c.task == task]) for task in _tasks(found)]
-    for title, figure in pictures.items():
-        figure.savefig(buffer := io.BytesIO(), format="png", dpi=130)
-        data = base64.b64encode(buffer.getvalue()).decode()
-        alt = html.escape(title)
-        body.append(f'<h2>{alt}</h2>\n<img alt="{alt}" src="data:image/png;base64,{data}">')
+    Args:
+        rows: all trials.
+        found: the leaderboard.
+        against: every robot against the baseline.
+        baseline: its name.
+        pictures: figures by title.
+    """
+    body = []
+    for task in dict.fromkeys(c.task for c in found):
+        body.append(_leaderboard(task, [c for c in found if c.task == task]))
+        body.append(_measures(task, [row for row in rows if row["task"] == task]))
+    if against:
+        body.append(_duels(against, baseline))
+    body += [_picture(title, figure) for title, figure in pictures.items()]
     broken = [row for row in rows if row["error"]]
     if broken:
         items = "".join(f"<li>{html.escape(_told(row))}</li>" for row in broken)
         body.append(f"<h2>Trials that broke down</h2><ul>{items}</ul>")
-    maps = sorted({row["map"] for row in rows})
-    commits = ", ".join(sorted({row["commit"] for row in rows if row["commit"]}))
-    head = html.escape(f"{len(rows)} trials on {', '.join(maps)}; code: {commits or 'unknown'}.")
+    body.append(_origin(rows))
+    maps = ", ".join(sorted({row["map"] for row in rows}))
+    head = html.escape(f"{len(rows)} trials on {maps}.")
     return PAGE.format(head=head, body="\n".join(body))
 
 
-def _tasks(found: Sequence[Cell]) -> list[str]:
-    return list(dict.fromkeys(c.task for c in found))
+def _leaderboard(task: str, found: Sequence[Cell]) -> str:
+    rate = "saw 95 % in time" if task == EXPLORE else "goals met"
+    score = "coverage AUC" if task == EXPLORE else "soft SPL"
+    head = ("robot", "odometry", "dynamics", "trials", "broke down", rate, score)
+    values = [
+        (
+            c.agent, c.odometry, c.dynamics, str(c.trials), str(c.failed), _percent(c.rate),
+            _interval(c.score),
+        )
+        for c in found
+    ]  # fmt: skip
+    return f"<h2>{html.escape(task)}</h2>\n{table(head, values)}<p>{INTERVALS}</p>"
+
+
+def _measures(task: str, rows: Sequence[Row]) -> str:
+    """All that is measured beside, as medians and quartiles; what nobody tells is left out."""
+    groups = grouped(rows, ("agent", "odometry", "dynamics"))
+    shown = {name: told for name, told in MEASURES.items() if any(row[name] for row in rows)}
+    head = ("robot", "odometry", "dynamics", *(told[0] for told in shown.values()))
+    values = [
+        (*key, *(_quartiles(quartiles(some, name), *told[1:]) for name, told in shown.items()))
+        for key, some in sorted(groups.items())
+    ]
+    title = html.escape(f"{task}: ways, beliefs and costs")
+    return f"<h3>{title}</h3>\n<div>{table(head, values)}</div><p>{QUARTILES}</p>"
+
+
+def _duels(against: Sequence[Duel], baseline: str) -> str:
+    head = ("robot", "task", "odometry", "dynamics", "trials", "difference of the score", "beats")
+    values = [
+        (
+            d.agent, d.task, d.odometry, d.dynamics, str(d.trials), _interval(d.difference, "+.2f"),
+            _percent(d.improvement),
+        )
+        for d in against
+    ]  # fmt: skip
+    title = html.escape(f"Against {baseline}")
+    return f"<h2>{title}</h2>\n{table(head, values)}<p>{DUELS}</p>"
+
+
+def _origin(rows: Sequence[Row]) -> str:
+    """Which code and which parameters the rows come from; more than one is said aloud."""
+    head = ("robot", "commit", "parameters", "trials")
+    groups = grouped(rows, ("agent", "commit", "params"))
+    values = [(*(word or "-" for word in key), str(len(some))) for key, some in groups.items()]
+    mixed = len(groups) > len({key[0] for key in groups})
+    note = (
+        "<p><strong>Rows of different code or parameters are mixed.</strong></p>" if mixed else ""
+    )
+    return f"<h2>Code and parameters</h2>\n{note}{table(head, sorted(values))}"
+
+
+def _picture(title: str, figure: Figure) -> str:
+    figure.savefig(buffer := io.BytesIO(), format="png", dpi=130)
+    data = base64.b64encode(buffer.getvalue()).decode()
+    alt = html.escape(title)
+    return f'<h2>{alt}</h2>\n<img alt="{alt}" src="data:image/png;base64,{data}">'
+
+
+def table(head: Sequence[str], values: Iterable[Sequence[str]]) -> str:
+    """A table as HTML."""
+    lines = ["".join(f"<th>{html.escape(name)}</th>" for name in head)]
+    lines += ["".join(f"<td>{html.escape(value)}</td>" for value in row) for row in values]
+    return "<table>\n" + "\n".join(f"<tr>{line}</tr>" for line in lines) + "\n</table>\n"
 
 
 def _told(row: Row) -> str:
-    key = ", ".join(row[name] for name in ("agent", "task", "map", "odometry", "seed"))
+    key = ", ".join(row[name] for name in ("agent", "task", "map", "odometry", "dynamics", "seed"))
     return f"{key}: {row['error'].rpartition('|')[2].strip()}"
 
 
-def _table(task: str, found: Sequence[Cell]) -> str:
-    if task == EXPLORE:
-        rate, score = "saw 95 % in time", "mean share seen over the budget"
-    else:
-        rate, score = "goals met", "soft SPL"
-    head = ("robot", "odometry", "trials", rate, score, "CPU a step [ms]", "map [kB]")
-    lines = ["".join(f"<th>{html.escape(name)}</th>" for name in head)]
-    for c in found:
-        values = (
-            c.agent, c.odometry, str(c.trials), _percent(c.rate), _interval(c.score),
-            _number(c.cpu_ms, ".1f"), _number(c.map_bytes / 1e3, ".0f"),
-        )  # fmt: skip
-        lines.append("".join(f"<td>{html.escape(value)}</td>" for value in values))
-    rows = "\n".join(f"<tr>{line}</tr>" for line in lines)
-    note = "In brackets: Wilson intervals of rates, stratified bootstrap of interquartile means."
-    return f"<h2>{html.escape(task)}</h2>\n<table>\n{rows}\n</table>\n<p>{note}</p>"
+def _percent(value: Interval) -> str:
+    return _interval((100.0 * value[0], 100.0 * value[1], 100.0 * value[2]), ".0f", " %")
 
 
-def _percent(value: tuple[float, float, float]) -> str:
-    rate, low, high = (100.0 * x for x in value)
-    return f"{rate:.0f} % ({low:.0f}-{high:.0f})"
+def _interval(value: Interval, form: str = ".2f", unit: str = "") -> str:
+    """A figure with its interval, where there is one."""
+    middle, low, high = (_number(x, form) for x in value)
+    known = np.isfinite(value[1])
+    return f"{middle}{unit} ({low} to {high})" if known else f"{middle}{unit}"
 
 
-def _interval(value: tuple[float, float, float]) -> str:
-    return f"{value[0]:.2f} ({value[1]:.2f}-{value[2]:.2f})" if np.isfinite(value[0]) else "-"
+def _quartiles(value: Interval, form: str, factor: float) -> str:
+    middle, low, high = (_number(factor * x, form) for x in value)
+    return middle if np.isnan(value[0]) else f"{middle} ({low} to {high})"
 
 
 def _number(value: float, form: str) -> str:
-    return format(value, form) if np.isfinite(value) else "-"
+    return "-" if np.isnan(value) else "\u221e" if np.isinf(value) else format(value, form)

@@ -106,6 +106,11 @@ class Task:
         return 0 if self.phase is None else self.phase.goal
 
     @property
+    def goals(self) -> tuple[int, ...]:
+        """The marks of all goals of this episode, in order, those to come included."""
+        return tuple(phase.goal for phase in self._phases if phase.goal)
+
+    @property
     def marks(self) -> Mapping[int, Pose]:
         """True poses of the marks given so far."""
         return self._marks

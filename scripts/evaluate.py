@@ -4,9 +4,11 @@ Usage: python scripts/evaluate.py --agents cogmap,frontier_slam --tasks explore,
            --maps thesis_office,office:0,office:1 --odometry medium --seeds 5 --out DIR [--resume]
 
 Writes DIR/results.csv, a row a trial, and DIR/report.html with its figures as PNG and PDF. Rows
-are written as they come: after Ctrl-C, or a kill, --resume does only what is missing. --quick is
-a small table in a few minutes. --ray ADDRESS runs the trials on a Ray cluster, --ray local on one
-started here (the extra `cluster`). Choose parameters on seeds and offices from 1000 up.
+are written as they come: after Ctrl-C, or a kill, --resume does only what is missing; it refuses to
+put rows of other code or parameters into the same table, unless --mix is given. --baseline names
+the robot that the others are compared with on the same trials. --quick is a small table in a few
+minutes. --ray ADDRESS runs the trials on a Ray cluster, --ray local on one started here (the extra
+`cluster`). Choose parameters on seeds and offices from 1000 up.
 """
 
 from __future__ import annotations
@@ -19,30 +21,47 @@ import numpy as np
 import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 
+from agents.provenance import check_rows
 from agents.registry import AGENTS, is_available
-from agents.sweep import COLUMNS, KEY, TASKS, Row, Trial, run_here, run_on_ray, trials_of
-from cogmap_gym import FloorPlan, OdometrySpec
+from agents.sweep import COLUMNS, KEY, TASKS, Trial, check_trials, trials_of
+from agents.trial_row import Row
+from agents.workers import run_here, run_on_ray
+from cogmap_gym.dynamics import LEVELS
 from cogmap_gym.result_file import ResultFile
 from cogmap_gym.saving import write_whole
-from cogmap_gym.sweep_report import cells, curves_figure, drift_figure, report_page
+from cogmap_gym.sweep_figures import FACTORS, curves_figure, met_figure
+from cogmap_gym.sweep_paths import paths_figure
+from cogmap_gym.sweep_report import report_page
+from cogmap_gym.sweep_table import cells, duels
 
-QUICK = ("random_walk,wall_follower,frontier_odometry,cogmap", "explore,home", "two_rooms,office:0")
-"""Robots, tasks and maps of --quick."""
+QUICK = (
+    "random_walk,wall_follower,frontier_odometry,cogmap", "explore,home", "two_rooms,office:0",
+    "low,high", "off,busy",
+)  # fmt: skip
+"""Robots, tasks, maps, levels of odometry and of dynamics of --quick."""
 
 
-def wanted(agents: str, tasks: str, maps: str, odometry: str, seeds: int) -> list[Trial]:
+def wanted(
+    agents: list[str], tasks: str, maps: str, odometry: str, seeds: int, dynamics: str
+) -> list[Trial]:
     """The trials asked for; what cannot be run is told at once."""
-    robots, plans, levels = agents.split(","), maps.split(","), odometry.split(",")
-    try:
-        if missing := [name for name in robots if not is_available(name)]:
-            raise typer.BadParameter(f"agents: not installed: {missing}")
-        for plan in plans:
-            FloorPlan.load(plan)
-        for level in levels:
-            OdometrySpec.of(level)
-        return trials_of(robots, tasks.split(","), plans, levels, range(seeds))
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from error
+    if missing := [name for name in agents if not is_available(name)]:
+        raise ValueError(f"agents: not installed: {missing}")
+    asked = (words.split(",") for words in (tasks, maps, odometry))
+    trials = trials_of(agents, *asked, range(seeds), dynamics.split(","))
+    check_trials(trials)
+    return trials
+
+
+def opened(out: Path, agents: list[str], *, resume: bool, mix: bool) -> ResultFile:
+    """The file of results, new or to go on with."""
+    path = out / "results.csv"
+    if path.exists() and not resume:
+        raise ValueError(f"{path} exists: --resume goes on with it")
+    results = ResultFile(path, COLUMNS)
+    if not mix:
+        check_rows(path, results.rows(), agents)
+    return results
 
 
 def write_rows(rows: Iterable[Row], count: int, results: ResultFile) -> bool:
@@ -59,16 +78,20 @@ def write_rows(rows: Iterable[Row], count: int, results: ResultFile) -> bool:
     return True
 
 
-def report(results: ResultFile, out: Path) -> None:
+def report(results: ResultFile, baseline: str, out: Path) -> None:
     """Write the page and its figures."""
-    rows = results.rows()
-    found = cells(rows, np.random.default_rng(0))
-    drawn = {"Coverage": curves_figure(rows), "Success against drift": drift_figure(found)}
+    rows, rng = results.rows(), np.random.default_rng(0)
+    drawn = {"Coverage": curves_figure(rows)}
+    drawn |= {factor.title: met_figure(rows, factor, rng) for factor in FACTORS}
+    drawn |= {f"Paths, {task}": paths_figure(rows, task) for task in TASKS}
     pictures = {title: figure for title, figure in drawn.items() if figure is not None}
     for title, figure in pictures.items():
         for ending in ("png", "pdf"):
-            figure.savefig(out / f"{title.lower().replace(' ', '_')}.{ending}", dpi=180)
-    write_whole(out / "report.html", report_page(rows, found, pictures).encode())
+            figure.savefig(
+                out / f"{title.lower().replace(',', '').replace(' ', '_')}.{ending}", dpi=180
+            )
+    page = report_page(rows, cells(rows, rng), duels(rows, baseline, rng), baseline, pictures)
+    write_whole(out / "report.html", page.encode())
     print(results.path, out / "report.html", sep="\n")
 
 
@@ -80,27 +103,31 @@ def main(
     tasks: Annotated[str, typer.Option(help="some of " + ",".join(TASKS))] = "explore,home",
     maps: Annotated[str, typer.Option(help="plans, as in gym.make")] = "thesis_office",
     odometry: Annotated[str, typer.Option(help="some levels")] = "medium",
+    dynamics: Annotated[str, typer.Option(help="some of " + ",".join(LEVELS))] = "off",
     seeds: Annotated[int, typer.Option(min=1, help="so many, from 0 up")] = 5,
+    baseline: Annotated[str | None, typer.Option(help="by default the first robot")] = None,
     resume: Annotated[bool, typer.Option(help="do only what is missing")] = False,
+    mix: Annotated[bool, typer.Option(help="with rows of other code or parameters")] = False,
     quick: Annotated[bool, typer.Option(help="a small table in a few minutes")] = False,
     workers: Annotated[int, typer.Option(min=1, help="processes on this machine")] = 2,
     ray: Annotated[str | None, typer.Option(help="address of a Ray cluster, or local")] = None,
 ) -> None:
     """Run the trials, and write the table and the page."""
     if quick:
-        (agents, tasks, maps), seeds = QUICK, 1
-    trials = wanted(agents, tasks, maps, odometry, seeds)
-    if (out / "results.csv").exists() and not resume:
-        raise typer.BadParameter(f"{out / 'results.csv'} exists: --resume goes on with it")
+        (agents, tasks, maps, odometry, dynamics), seeds = QUICK, 1
+    robots = agents.split(",")
     try:
-        results = ResultFile(out / "results.csv", COLUMNS)
+        if baseline not in (None, *robots):
+            raise ValueError(f"baseline: expected one of {robots}, got {baseline!r}")
+        trials = wanted(robots, tasks, maps, odometry, seeds, dynamics)
+        results = opened(out, robots, resume=resume, mix=mix)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from error
     done = results.done(KEY)
     todo = [trial for trial in trials if trial.key not in done]
-    rows = run_on_ray(todo, ray) if ray else run_here(todo, workers)
+    rows = run_on_ray(todo, ray, workers) if ray else run_here(todo, workers)
     complete = write_rows(rows, len(todo), results)
-    report(results, out)
+    report(results, baseline or robots[0], out)
     if not complete:
         raise typer.Exit(130)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from agents.registry import make_agent
-from agents.sweep import Trial, run_trial
+from agents.sweep import COLUMNS, Trial, run_trial
 
 PAGE = (Path(__file__).parents[1] / "docs" / "benchmark.md").read_text("utf-8")
 
@@ -27,6 +27,13 @@ def test_the_robot_of_the_page_takes_part(task: str, my_robot: str) -> None:
     row = run_trial(Trial(my_robot, task, "two_rooms", "medium", 0))
     assert row["error"] is None
     assert row["coverage"] > 0.3
+
+
+def test_the_page_tells_of_every_column() -> None:
+    table = PAGE[PAGE.index("## Columns") : PAGE.index("All but `cpu_ms`")]
+    first = [line.split("|")[1] for line in table.splitlines() if line.startswith("|")]
+    told = re.findall(r"`([^`]+)`", " ".join(first))
+    assert told == [name for name in COLUMNS if name not in ("task", "map", "odometry", "seed")]
 
 
 @pytest.mark.parametrize(

@@ -1,65 +1,109 @@
-"""The page of a sweep says what its rows say."""
+"""The page of a sweep and its figures say what its rows say."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
 
-from agents.sweep import COLUMNS
-from cogmap_gym.sweep_report import cells, curves_figure, drift_figure, report_page, scores_by_map
+from cogmap_gym.sweep_figures import FACTORS, curves_figure, looks, met_figure
+from cogmap_gym.sweep_paths import paths_figure
+from cogmap_gym.sweep_report import report_page
+from cogmap_gym.sweep_table import Row, cells, duels
+from tests.sweep_rows import GOALS, SEEN, row
+
+DRIFT = next(factor for factor in FACTORS if "drift" in factor.title)
 
 
-def row(agent: str, task: str, odometry: str, seed: int, **told: object) -> dict[str, str]:
-    base = dict.fromkeys(COLUMNS, "")
-    key = {"agent": agent, "task": task, "map": "m", "odometry": odometry, "seed": seed}
-    return base | {name: str(value) for name, value in {**key, **told}.items()}
+def rng() -> np.random.Generator:
+    return np.random.default_rng(0)
 
 
-GOALS = [
-    row("a", "goto", "low", 0, goals=4, goals_met=3, soft_spl=0.6, cpu_ms=2.0),
-    row("a", "goto", "low", 1, goals=4, goals_met=4, soft_spl=0.8, cpu_ms=4.0),
-    row("b", "goto", "low", 0, error="Traceback | ValueError: <oops>"),
-]
-SEEN = [
-    row("a", "explore", "low", 0, success=1, area=0.9, curve="0.1;0.9;1.0"),
-    row("a", "explore", "high", 0, success=0, area=0.5, curve="0.1;0.5;0.6"),
-]
-
-
-def test_goals_are_counted_over_trials_and_a_broken_trial_is_a_miss() -> None:
-    a, b = cells(GOALS, np.random.default_rng(0))
-    assert (a.agent, a.trials, a.failed) == ("a", 2, 0)
-    assert a.rate[0] == 7 / 8
-    assert a.score[0] == pytest.approx(0.7)
-    assert a.cpu_ms == 3.0
-    assert (b.agent, b.failed, b.rate[0]) == ("b", 1, 0.0)
-
-
-def test_exploring_is_judged_by_the_trial() -> None:
-    low, high = cells(SEEN, np.random.default_rng(0))
-    assert (low.odometry, low.rate[0], low.score[0]) == ("low", 1.0, pytest.approx(0.9))
-    assert (high.odometry, high.rate[0]) == ("high", 0.0)
-
-
-def test_scores_stay_apart_by_map_in_the_order_of_seeds() -> None:
-    rows = [row("a", "goto", "low", seed, soft_spl=seed / 10) for seed in (2, 0, 1)]
-    rows.append({**row("a", "goto", "low", 0, soft_spl=0.9), "map": "n"})
-    first, second = scores_by_map(rows, "soft_spl")
-    assert (first.tolist(), second.tolist()) == ([0.0, 0.1, 0.2], [0.9])
+def page_of(rows: Sequence[Row], baseline: str = "a") -> str:
+    drawn = {"Coverage": curves_figure(rows), "Drift": met_figure(rows, DRIFT, rng())}
+    pictures = {title: figure for title, figure in drawn.items() if figure is not None}
+    return report_page(rows, cells(rows, rng()), duels(rows, baseline, rng()), baseline, pictures)
 
 
 def test_the_page_holds_all_and_asks_nothing_of_the_network() -> None:
-    rows = [*GOALS, *SEEN]
-    found = cells(rows, np.random.default_rng(0))
-    figures = {"Coverage": curves_figure(rows), "Drift": drift_figure(found)}
-    page = report_page(rows, found, {k: v for k, v in figures.items() if v is not None})
+    page = page_of([*GOALS, *SEEN])
     assert page.count("data:image/png;base64,") == 2
-    assert "88 % (53-98)" in page
+    assert "88 % (75 to 100)" in page
+    assert "Against a" in page
     assert "&lt;oops&gt;" in page
     assert "<oops>" not in page
     assert "http" not in page
 
 
+def test_the_page_tells_code_and_parameters_and_says_where_they_are_mixed() -> None:
+    rows = [{**r, "commit": "abc", "params": "123"} for r in SEEN]
+    assert "<td>abc</td><td>123</td><td>2</td>" in page_of(rows)
+    assert "are mixed" not in page_of(rows)
+    assert "are mixed" in page_of([*rows, {**rows[0], "commit": "def", "seed": "1"}])
+
+
 def test_what_the_rows_do_not_hold_is_left_out() -> None:
     assert curves_figure(GOALS) is None
-    assert drift_figure(cells(GOALS, np.random.default_rng(0))) is None
+    assert met_figure(GOALS, DRIFT, rng()) is None
+    assert "Against" not in page_of(GOALS, "nobody")
+
+
+def test_a_curve_is_the_middle_of_all_trials_broken_ones_too() -> None:
+    told = enumerate(("0;1", "0;1", "0;0"))
+    rows = [row("a", "explore", "low", k, curve=c, distance_curve=c) for k, c in told]
+    figure = curves_figure(rows)
+    assert figure is not None
+    for ax in figure.axes:
+        (line,) = ax.lines
+        assert np.asarray(line.get_ydata()).tolist() == pytest.approx([0.0, 200 / 3])
+        assert "[" in ax.get_xlabel()
+
+
+@pytest.mark.parametrize(
+    ("title", "classes"),
+    [
+        ("Success against drift", ["low", "high"]),
+        ("Success against office size", ["0 to 99", "200 to 399"]),
+        ("Success against furniture moved", ["0", "3 to 5"]),
+        ("Success against doors changed", ["1", "4 or more"]),
+    ],
+)
+def test_the_envelope_has_the_classes_that_were_seen(title: str, classes: list[str]) -> None:
+    (factor,) = (factor for factor in FACTORS if factor.title == title)
+    figure = met_figure(SEEN, factor, rng())
+    assert figure is not None
+    assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == classes
+
+
+def test_a_level_that_does_not_vary_is_no_figure() -> None:
+    (factor,) = (factor for factor in FACTORS if "living" in factor.title)
+    assert met_figure(SEEN, factor, rng()) is None
+
+
+def test_paths_are_drawn_a_panel_a_robot_on_the_trial_of_most_robots() -> None:
+    alone = {**SEEN[0], "seed": "7"}
+    rows = [alone, *({**SEEN[0], "agent": name} for name in ("a", "b", "c"))]
+    figure = paths_figure(rows, "explore")
+    assert figure is not None
+    assert len(figure.axes) == 3
+    assert [ax.get_title().split(":")[0] for ax in figure.axes] == ["a", "b", "c"]
+    path = figure.axes[0].lines[0]
+    assert np.asarray(path.get_xydata()).tolist() == [[1.0, 1.0], [3.0, 1.0]]
+    assert "seed 0" in str(figure.get_suptitle())
+    assert paths_figure(rows, "goto") is None
+
+
+def test_success_is_drawn_at_its_level_with_a_line_a_robot() -> None:
+    figure = met_figure(SEEN, DRIFT, rng())
+    assert figure is not None
+    (ax,) = figure.axes
+    (line,) = (bar.lines[0] for bar in ax.containers)
+    assert np.asarray(line.get_ydata()).tolist() == [100.0, 0.0]
+    assert [text.get_text() for text in ax.get_xticklabels()] == ["low", "high"]
+    assert "[%]" in ax.get_ylabel()
+
+
+def test_no_two_of_many_robots_look_alike() -> None:
+    drawn = looks([row(f"robot {k}", "explore", "low", 0) for k in range(20)])
+    assert len(set(drawn.values())) == 20

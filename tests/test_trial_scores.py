@@ -8,8 +8,11 @@ import pytest
 from cogmap_gym.trial_scores import (
     coverage_curve,
     curve_area,
+    distance_area,
+    distance_curve,
     distance_to,
     goal_scores,
+    horizon,
     soft_spl,
 )
 
@@ -64,3 +67,32 @@ def test_goals_are_scored_together_and_one_never_begun_counts_nothing() -> None:
     assert scores["spl_learning"] == pytest.approx(1.0 / 3)
     assert scores["soft_spl"] == pytest.approx((0.5 + 0.5 + 0.0) / 3)
     assert goal_scores([], info, [])["goals"] is None
+
+
+def test_a_goal_that_was_never_begun_is_missed() -> None:
+    phases = [{"success": True, "oracle_length": 10.0, "path_length": 10.0}]
+    info = {
+        "final_distance": np.array([-1.0, -1.0, 0.0, -1.0]),
+        "spl": np.array([-1.0, -1.0, 1.0, -1.0]),
+        "spl_learning": np.array([-1.0, -1.0, 1.0, -1.0]),
+    }
+    scores = goal_scores(phases, info, [2, 3])
+    assert (scores["goals"], scores["goals_met"]) == (2, 1)
+    assert (scores["spl"], scores["soft_spl"]) == (0.5, 0.5)
+
+
+def test_coverage_against_distance_by_hand() -> None:
+    driven = np.array([0.0, 2.0, 5.0])
+    assert distance_curve(SEEN, driven, 8.0, 5).tolist() == [0.0, 0.5, 0.5, 1.0, 1.0]
+    assert distance_area(SEEN, driven, 8.0) == pytest.approx((0.0 * 2 + 0.5 * 3 + 1.0 * 3) / 8)
+    assert distance_area(SEEN, driven, 4.0) == pytest.approx((0.0 * 2 + 0.5 * 2) / 4)
+
+
+def test_who_turns_on_the_spot_is_given_what_it_sees_there() -> None:
+    turning = np.zeros(3)
+    assert distance_area(SEEN, turning, 10.0) == 1.0
+    assert distance_curve(SEEN, turning, 10.0, 3).tolist() == [1.0, 1.0, 1.0]
+
+
+def test_the_horizon_grows_with_the_tour() -> None:
+    assert (horizon(0.0), horizon(50.0)) == (10.0, 200.0)

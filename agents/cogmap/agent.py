@@ -101,6 +101,16 @@ class CogMapAgent:
         self.memory = back_home(memory) if at_home else memory
 
     @property
+    def pose(self) -> Pose:
+        """Where it believes to be, in the MFIS."""
+        return self.memory.pose
+
+    @property
+    def place(self) -> int:
+        """The id of the ASR in which it believes to be."""
+        return self.memory.stay.place
+
+    @property
     def map_bytes(self) -> int:
         """How large its memory is [bytes]."""
         return memory_bytes(self.memory)
