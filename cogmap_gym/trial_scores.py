@@ -50,6 +50,25 @@ def curve_area(seen: Array, moves: int) -> float:
     return float(seen[every].mean())
 
 
+def distance_area(seen: Array, driven: Array, metres: float) -> float:
+    """The mean share seen over the first metres of the way, 0 to 1.
+
+    What a step shows counts from its end; a robot that stops before keeps what it has seen.
+
+    Args:
+        seen: (T,), the share seen at each move.
+        driven: (T,), metres driven by then, from 0 up.
+        metres: over which the mean is taken.
+
+    Raises:
+        ValueError: no metres.
+    """
+    if not metres > 0.0:
+        raise ValueError(f"distance area: expected metres above 0, got {metres!r}")
+    ends = np.append(np.minimum(driven, metres), metres)
+    return float(np.sum(np.diff(ends) * seen) / metres)
+
+
 def distance_to(share: float, seen: Array, driven: Array) -> float | None:
     """Metres driven until a share was seen; None if it never was.
 
