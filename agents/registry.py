@@ -41,6 +41,18 @@ def _slam_agent(_: int) -> Agent:
     return FrontierAgent(PoseGraphSLAM())
 
 
+def _learned(name: str) -> Callable[[int], Agent]:
+    """A robot with the weights of this name; its modules need torch at once."""
+
+    def make(seed: int) -> Agent:
+        from agents.ppo.agent import LearnedAgent
+        from agents.ppo.loading import path_of
+
+        return LearnedAgent(path_of(name), seed)
+
+    return make
+
+
 AGENTS: dict[str, Entry] = {
     "random_walk": Entry(RandomWalkAgent),
     "wall_follower": Entry(lambda _: WallFollowerAgent()),
@@ -48,6 +60,7 @@ AGENTS: dict[str, Entry] = {
     "frontier_scan_matching": Entry(lambda _: FrontierAgent(ScanMatching())),
     "frontier_slam": Entry(_slam_agent, needs="gtsam", extra="slam"),
     "frontier_oracle": Entry(lambda _: FrontierAgent(TruePosition()), knows_pose=True),
+    "ppo": Entry(_learned("ppo"), needs="sb3_contrib", extra="rl"),
     "cogmap": Entry(lambda _: CogMapAgent()),
     "cogmap_literal": Entry(lambda _: CogMapAgent(Params.literal())),
 }

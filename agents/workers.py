@@ -39,7 +39,7 @@ def run_on_ray(trials: Sequence[Trial], address: str, workers: int = 2) -> Itera
     ray.init(**where, include_dashboard=False, log_to_driver=False)
     try:
         remote = ray.remote(max_retries=RETRIES)(run_trial)
-        cpus = ray.cluster_resources().get("CPU", 1)  # type: ignore[no-untyped-call]
+        cpus = ray.cluster_resources().get("CPU", 1)
         room = 2 * max(int(cpus), 1)
         waiting = list(trials)[::-1]
         running: dict[Any, Trial] = {}

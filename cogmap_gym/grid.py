@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cogmap_gym.geometry import Array, Segments
+from cogmap_gym.geometry import Array, Points, Segments
 from cogmap_gym.raycast_kernel import compiled
 
 CELL_M = 0.1
@@ -85,3 +85,36 @@ def _mark_near(mask: Mask, x0: float, y0: float, segments: Segments, distance: f
                     t = min(max((x * dx + y * dy) / squared, 0.0), 1.0)
                 if math.hypot(x - t * dx, y - t * dy) < distance:
                     mask[row, column] = True
+
+
+@compiled
+def mark_seen(
+    seen: Mask, x0: float, y0: float, origin: Points, directions: Array, ranges: Array
+) -> int:
+    """Mark the cells that beams pass through; answer how many were new.
+
+    Args:
+        seen: (rows, columns), changed in place; cells that do not count come marked.
+        x0: left edge of the grid [m].
+        y0: lower edge of the grid [m].
+        origin: (2,), where the beams start [m].
+        directions: (B,), world frame [rad].
+        ranges: (B,), how far each beam goes [m].
+    """
+    rows, columns = seen.shape
+    new = 0
+    for b in range(directions.shape[0]):
+        step_x = 0.5 * math.cos(directions[b])
+        step_y = 0.5 * math.sin(directions[b])
+        x = (origin[0] - x0) / CELL_M
+        y = (origin[1] - y0) / CELL_M
+        for _ in range(int(2.0 * ranges[b] / CELL_M) + 1):
+            row, column = math.floor(y), math.floor(x)
+            if row < 0 or column < 0 or row >= rows or column >= columns:
+                break
+            if not seen[row, column]:
+                seen[row, column] = True
+                new += 1
+            x += step_x
+            y += step_y
+    return new

@@ -89,7 +89,12 @@ def distance_area(seen: Array, driven: Array, far: float) -> float:
         seen: (T,), the share seen at each move.
         driven: (T,), metres driven by then.
         far: the horizon [m].
+
+    Raises:
+        ValueError: a horizon that is not above 0.
     """
+    if not far > 0.0:
+        raise ValueError(f"distance area: expected metres above 0, got {far!r}")
     edges = np.append(np.minimum(driven, far), far)
     return float((seen * np.diff(edges)).sum() / far)
 

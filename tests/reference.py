@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import math
-
 import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
-from cogmap_gym.geometry import Array, Points, Pose, Segments, cross
-from cogmap_gym.grid import CELL_M, Mask
+from cogmap_gym.geometry import Array, Pose, Segments, cross
 from cogmap_gym.observation import LaserSpec
-from cogmap_gym.raycast_kernel import compiled
 
 
 def laser_ranges(segments: Segments, pose: Pose, laser: LaserSpec, slack: float = 0.0) -> Array:
@@ -65,36 +61,3 @@ def cheapest(price: NDArray[np.int16], start: tuple[int, int]) -> dict[tuple[int
                 length = 14 if a != i and b != j else 10
                 graph.add_edge((i, j), (a, b), weight=int(price[a, b]) * length // 10)
     return dict(nx.single_source_dijkstra_path_length(graph, start))
-
-
-@compiled
-def mark_seen(
-    seen: Mask, x0: float, y0: float, origin: Points, directions: Array, ranges: Array
-) -> int:
-    """Mark the cells that beams pass through; answer how many were new.
-
-    Args:
-        seen: (rows, columns), changed in place; cells that do not count come marked.
-        x0: left edge of the grid [m].
-        y0: lower edge of the grid [m].
-        origin: (2,), where the beams start [m].
-        directions: (B,), world frame [rad].
-        ranges: (B,), how far each beam goes [m].
-    """
-    rows, columns = seen.shape
-    new = 0
-    for b in range(directions.shape[0]):
-        step_x = 0.5 * math.cos(directions[b])
-        step_y = 0.5 * math.sin(directions[b])
-        x = (origin[0] - x0) / CELL_M
-        y = (origin[1] - y0) / CELL_M
-        for _ in range(int(2.0 * ranges[b] / CELL_M) + 1):
-            row, column = math.floor(y), math.floor(x)
-            if row < 0 or column < 0 or row >= rows or column >= columns:
-                break
-            if not seen[row, column]:
-                seen[row, column] = True
-                new += 1
-            x += step_x
-            y += step_y
-    return new

@@ -20,6 +20,7 @@ ROOT = Path(__file__).parent.parent
 ROBOT_MAY_IMPORT = {"cogmap_gym.geometry", "cogmap_gym.observation"}
 NOT_SCRIPTED = {
     *("rollout", "report", "step_cost", "office_trials", "trials", "ablation", "registry"),
+    "plan_trials",
     *("rival_trials", "sweep", "trial_row", "workers", "watch", "provenance", "ppo"),
 }
 """What under agents/ may know the world: the runners of episodes, trials, sweeps, their rows, who

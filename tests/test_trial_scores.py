@@ -43,6 +43,15 @@ def test_a_curve_stays_as_it_ended() -> None:
     assert curve_area(SEEN[:1], 4) == 0.0
 
 
+def test_coverage_is_averaged_over_the_way() -> None:
+    driven = np.array([0.0, 3.0, 7.0])
+    assert distance_area(SEEN, driven, 10.0) == pytest.approx((3 * 0.0 + 4 * 0.5 + 3 * 1.0) / 10)
+    assert distance_area(SEEN, driven, 5.0) == pytest.approx((3 * 0.0 + 2 * 0.5) / 5)
+    assert distance_area(SEEN[:2], driven[:2], 5.0) == pytest.approx(2 * 0.5 / 5), "it stands"
+    with pytest.raises(ValueError, match=r"expected metres above 0, got 0\.0"):
+        distance_area(SEEN, driven, 0.0)
+
+
 def test_the_distance_to_a_share_is_told_once_it_was_seen() -> None:
     driven = np.array([0.0, 3.0, 7.0])
     assert distance_to(0.5, SEEN, driven) == 3.0
