@@ -97,7 +97,7 @@ def _binned(column: str, *starts: int) -> tuple[tuple[str, ...], Callable[[Row],
     """Classes of whole numbers from each start up to the next, and the class of a row."""
     ends = [start - 1 for start in starts[1:]]
     names = [f"{a}" if a == b else f"{a} to {b}" for a, b in zip(starts, ends, strict=False)]
-    names.append(f"{starts[-1]} or more")
+    names.append(f"{starts[-1]}+")
 
     def class_of(row: Row) -> str | None:
         if not row[column]:
@@ -149,7 +149,7 @@ def met_figure(rows: Sequence[Row], factor: Factor, rng: np.random.Generator) ->
             look = drawn[agent]
             ax.errorbar(np.array(at) + aside, rates[:, 0], spread, ls=look.style, ms=4, lw=1.2,
                         marker=look.marker, color=look.color, label=agent)  # fmt: skip
-        ax.set(title=task, xlabel=factor.axis, ylim=(-2, 102))
+        ax.set(title=task, xlabel=factor.axis, ylim=(-2, 102), xlim=(-0.5, len(classes) - 0.5))
         ax.set_xticks(range(len(classes)), classes)
         ax.grid(alpha=0.3)
     axes[0, 0].set_ylabel("met [%]")

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cogmap_gym.colors import BLACK, VERMILLION
+from cogmap_gym.dynamics import LEVELS as DYNAMICS
 from cogmap_gym.figures import plot_plan
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Points
@@ -24,12 +25,14 @@ PANEL_IN = 3.6
 TITLE_IN = 0.45
 """Height of a panel's title and axis [inch]."""
 
+LEGEND = "star: home; numbers: marks; cross: end; bars: doors that are shut at first"
+
 
 def paths_figure(rows: Sequence[Row], task: str) -> Figure | None:
     """Small multiples of paths on one trial of a task; None where nobody told a path.
 
-    The trial is one that most robots have run, on the largest plan, at the middle level of
-    odometry, of the lowest seed.
+    The trial is one that most robots have run, on the largest plan, nearest to medium odometry,
+    with the least life in the office, of the lowest seed.
     """
     told = [row for row in rows if row["task"] == task and row["path"]]
     if not told:
@@ -49,16 +52,19 @@ def paths_figure(rows: Sequence[Row], task: str) -> Figure | None:
         ax.set_visible(False)
     first = chosen[0]
     told_of = f"{first['map']}, {first['odometry']} odometry, dynamics {first['dynamics']}"
-    figure.suptitle(f"{task}: {told_of}, seed {first['seed']}", fontsize=10)
+    title = f"{task}: {told_of}, seed {first['seed']}"
+    figure.suptitle(f"{title}\n{LEGEND}", fontsize=9)
     figure.supxlabel("x [m]", fontsize=9)
     figure.supylabel("y [m]", fontsize=9)
     return figure
 
 
-def _rank(rows: Sequence[Row]) -> tuple[int, float, int, str, int]:
+def _rank(rows: Sequence[Row]) -> tuple[int, float, int, int, int]:
+    """Smaller for the trial that shows more."""
     row = rows[0]
     drift = abs(LEVELS.index(row["odometry"]) - LEVELS.index("medium"))
-    return -len(rows), -float(row["plan_area"] or 0.0), drift, row["dynamics"], int(row["seed"])
+    life = tuple(DYNAMICS).index(row["dynamics"])
+    return -len(rows), -float(row["plan_area"] or 0.0), drift, life, int(row["seed"])
 
 
 def _panel(ax: Axes, plan: FloorPlan, row: Row, color: str) -> None:
