@@ -88,7 +88,7 @@ def check_trials(trials: Iterable[Trial]) -> None:
 
 def run_trial(trial: Trial) -> Row:
     """Run one trial; one that breaks down is a row with its traceback, and all of it missed."""
-    params, watches_memory = "", forget_peak()
+    params, watches_memory, watch = "", forget_peak(), None
     try:
         agent = make_agent(trial.agent, trial.seed)
         params = params_of(agent)
@@ -96,10 +96,11 @@ def run_trial(trial: Trial) -> Row:
         watch = Watch(agent, made.unwrapped)
         episode = run_episode(wrap(trial.agent, made), watch, trial.seed, watch)
         scores = scores_of(watch, episode, made.unwrapped, trial.map)
-    except Exception:  # noqa: BLE001 - a failed trial is a row, too
-        return broken_row(trial, traceback.format_exc(), params)
-    peak = peak_megabytes() if watches_memory else None
-    cost = {"peak_mb": peak, "map_bytes": getattr(agent, "map_bytes", None)}
+        peak = peak_megabytes() if watches_memory else None
+        cost = {"peak_mb": peak, "map_bytes": getattr(agent, "map_bytes", None)}
+    except (Exception, SystemExit):  # noqa: BLE001 - a failed trial is a row, too
+        changes = {} if watch is None else watch.changes()
+        return broken_row(trial, traceback.format_exc(), params) | changes
     return _head(trial, params) | scores | cost
 
 

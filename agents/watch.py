@@ -51,8 +51,8 @@ class Watch:
 
     def reset(self, *specs: Any) -> None:
         """Begin a life."""
-        self._agent.reset(*specs)
         self._explored()
+        self._agent.reset(*specs)
 
     def act(self, observation: Observation) -> NDArray[np.float32]:
         """Let the robot answer, and time it."""

@@ -52,6 +52,7 @@ def test_a_trial_that_breaks_down_is_a_row_with_its_traceback() -> None:
     assert "RuntimeError: out of" in row["error"]
     assert "\n" not in row["error"]
     assert (row["success"], row["goals"], row["goals_met"], row["soft_spl"]) == (0, 1, 0, 0.0)
+    assert (row["doors_changed"], row["boxes_moved"]) == (0, 0), "as it was when it broke down"
     assert row["params"] == run_trial(replace(TRIAL, agent="cogmap"))["params"] != ""
     assert tuple(row) == COLUMNS
 
