@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.spatial import KDTree
+from scipy.spatial import cKDTree
 
 from agents.cogmap.local_grid import cheapest, clearance_grid, free_cells, nearest_free
 from agents.cogmap.params import Navigation
@@ -187,7 +187,7 @@ def _pull(path: Points, obstacles: Points, params: Navigation) -> Points:
     """
     clear = np.full(len(path), math.inf)
     if len(obstacles):
-        clear = np.asarray(KDTree(obstacles).query(path)[0])
+        clear = np.asarray(cKDTree(obstacles).query(path)[0])
     kept, i = [0], 0
     while i < len(path) - 1:
         low, high = i + 1, len(path) - 1
