@@ -112,7 +112,8 @@ class Labels(Artist):
             gap = (GAP_PT + label.clear) * pixels_per_pt
             place = self._place(label, half, gap, taken, ink)
             if place is not None:
-                taken.rows.append(np.concatenate((place - half, place + half)))
+                kept = half + GAP_PT * pixels_per_pt
+                taken.rows.append(np.concatenate((place - kept, place + kept)))
                 label.text.set_position((float(place[0]), float(place[1])))
                 label.text.draw(renderer)
 

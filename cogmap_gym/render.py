@@ -22,6 +22,7 @@ from cogmap_gym.observation import LaserSpec
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 Frame = NDArray[np.uint8]
 """A picture, shape (H, W, 3)."""
@@ -30,6 +31,8 @@ DPI = 100
 """Pixels an inch: fixes how large letters are in a frame."""
 ROBOT_RADIUS_M = 0.25
 """Radius at which the robot is drawn; that of the Pioneer 3DX [m]."""
+LEGEND_COLUMN_PX = 150
+"""Width of a column of the legend [pixels]."""
 MARGIN = 0.06
 """Room left around the plan for caption and scale bar, as a part of its extent."""
 
@@ -78,14 +81,8 @@ def draw(scene: Scene, size: tuple[int, int] = (480, 960)) -> Frame:
     Raises:
         ValueError: the size is not two numbers of at least 64.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    if len(size) != 2 or min(size) < 64:
-        raise ValueError(f"draw: expected size (height, width) of at least 64 each, got {size}")
-    height, width = (int(n) for n in size)
-    figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
-    canvas = FigureCanvasAgg(figure)
+    height, width = _checked(size)
+    figure = _blank(height, width)
     panels = 1 if scene.sketch is None else 2
     for panel in range(panels):
         ax = figure.add_axes((panel / panels, 0.0, 1.0 / panels, 1.0))
@@ -94,7 +91,51 @@ def draw(scene: Scene, size: tuple[int, int] = (480, 960)) -> Frame:
             _draw_truth(ax, scene)
         else:
             _draw_belief(ax, scene)
-    pixels, _ = canvas.print_to_buffer()  # type: ignore[no-untyped-call]
+    return _pixels(figure)
+
+
+def draw_legend(size: tuple[int, int] = (64, 960)) -> Frame:
+    """What the colours and signs of ``draw`` mean, as a strip to put below frames.
+
+    Args:
+        size: height and width in pixels, each at least 64.
+
+    Returns:
+        A fresh array uint8 (height, width, 3).
+
+    Raises:
+        ValueError: the size is not two numbers of at least 64.
+    """
+    from cogmap_gym.legend import handles
+
+    height, width = _checked(size)
+    figure = _blank(height, width)
+    signs = handles()
+    columns = max(width // LEGEND_COLUMN_PX, 1)
+    figure.legend(handles=signs, loc="center", ncols=columns, fontsize=8, frameon=False)
+    return _pixels(figure)
+
+
+def _checked(size: tuple[int, int]) -> tuple[int, int]:
+    """Height and width of a frame [pixels]."""
+    if len(size) != 2 or min(size) < 64:
+        raise ValueError(f"draw: expected size (height, width) of at least 64 each, got {size}")
+    return int(size[0]), int(size[1])
+
+
+def _blank(height: int, width: int) -> Figure:
+    """A figure of this size [pixels], on a canvas that needs no display."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _pixels(figure: Figure) -> Frame:
+    """The figure as a frame of its own size."""
+    pixels, (width, height) = figure.canvas.print_to_buffer()  # type: ignore[attr-defined]
     return np.frombuffer(pixels, dtype=np.uint8).reshape(height, width, 4)[..., :3].copy()
 
 

@@ -17,11 +17,13 @@ from rich.progress import track
 
 from agents.cogmap import CogMapAgent
 from cogmap_gym import ENV_IDS
-from cogmap_gym.render import Frame, draw
+from cogmap_gym.render import Frame, draw, draw_legend
 from cogmap_gym.saving import write_whole
 
 SIZE = (700, 1400)
 """Height and width of a row [pixels]."""
+LEGEND_SIZE = (70, SIZE[1])
+"""Height and width of the legend below [pixels]."""
 VIEWS = ["thesis_office:off", "office:1001:busy"]
 
 
@@ -51,8 +53,9 @@ def main(
         rows = [view(env, place, moves, seed) for place in views]
     except (ValueError, gym.error.Error) as error:
         raise typer.BadParameter(str(error)) from error
+    picture = np.concatenate((*rows, draw_legend(LEGEND_SIZE)))
     out.parent.mkdir(parents=True, exist_ok=True)
-    print(write_whole(out, imageio.imwrite("<bytes>", np.concatenate(rows), extension=".png")))
+    print(write_whole(out, imageio.imwrite("<bytes>", picture, extension=".png")))
 
 
 if __name__ == "__main__":

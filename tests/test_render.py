@@ -17,7 +17,8 @@ from matplotlib.text import Text
 from cogmap_gym import figures, labels
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Pose
-from cogmap_gym.render import Scene, draw
+from cogmap_gym.legend import handles
+from cogmap_gym.render import Scene, draw, draw_legend
 
 TWO_ROOMS = {
     "name": "two_rooms",
@@ -114,6 +115,16 @@ def test_the_belief_stands_beside_the_truth_and_leaves_it_as_it_is(scene: Scene)
 def test_an_agent_that_believes_nothing_yet_can_be_drawn(scene: Scene) -> None:
     nothing = {"surfaces": [], "exits": [], "asrs": [], "links": [], "here": None}
     assert draw(dataclasses.replace(scene, sketch=nothing)).shape == (480, 960, 3)
+
+
+def test_every_colour_of_a_frame_is_in_the_legend_and_fits() -> None:
+    strip = draw_legend((70, 1400))
+    assert strip.shape == (70, 1400, 3)
+    assert strip.dtype == np.uint8
+    edge = np.concatenate((strip[0], strip[-1], strip[:, 0], strip[:, -1]))
+    assert (edge == 255).all(), "nothing is cut off"
+    shown = {handle.get_label() for handle in handles()}
+    assert {"wall", "furniture", "shut door", "barrier", "path", "home", "goal"} <= shown
 
 
 def test_a_frame_too_small_to_draw_on_is_refused(scene: Scene) -> None:
