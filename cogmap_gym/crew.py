@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from cogmap_gym.crew_kernel import judge_steps
 from cogmap_gym.fleet import Fleet
 from cogmap_gym.geometry import Array, Pose
 from cogmap_gym.observation import MARKS, LaserSpec, RobotSpec
@@ -15,13 +16,10 @@ from cogmap_gym.raycast_kernel import Ints
 from cogmap_gym.routes import Routes, RouteTables
 from cogmap_gym.row_task import RowCoverage, RowTask, RowWorld
 from cogmap_gym.scores import SCORES
-from cogmap_gym.tasks import STEP_REWARD
 from cogmap_gym.trail_kernel import NOWHERE
+from cogmap_gym.vector_tables import DECLARE
 
 Flags = NDArray[np.bool_]
-NO_EVENTS = np.empty(1, dtype=object)
-"""What happened to doors and barriers in most steps: nothing."""
-NO_EVENTS[0] = ()
 
 
 class Crew:
@@ -45,16 +43,23 @@ class Crew:
         """
         count = fleet.count
         self._fleet = fleet
-        self.cells = np.array([site.cells for site in fleet.sites])[fleet.where]
+        self.cells: Ints = np.array([site.cells for site in fleet.sites], np.int64)[fleet.where]
         self.seen: Ints = np.zeros(count, dtype=np.int64)
         """(N,): how many cells each robot has seen."""
         self.goal, self.mark, self.phase = (np.zeros(count, dtype=np.int64) for _ in range(3))
         self.is_success = np.zeros(count, dtype=np.bool_)
         self.scores = np.full((len(SCORES), count, MARKS), -1.0)
         self.events = np.empty(count, dtype=object)
+        self.changed: set[int] = set()
+        """The robots whose doors or barriers have changed in the last step."""
         self._steps, self._most_steps = (np.zeros(count, dtype=np.int64) for _ in range(2))
         self._share = np.full(count, 2.0)
         self._rooms, self._always = (np.zeros(count, dtype=np.bool_) for _ in range(2))
+        self._watched = (
+            *(self.seen, self.cells, self.goal, self._steps, self._most_steps, self._share),
+            *(self._rooms, self._always),
+        )
+        self._asked: Ints = np.zeros(count, dtype=np.int64)
         self._aimed: list[object] = [None] * count
         self.worlds = [RowWorld(fleet, row, robot) for row in range(count)]
         tables = [RouteTables(site.plan, site.movable, robot.radius) for site in fleet.sites]
@@ -87,48 +92,35 @@ class Crew:
             self._begin(row)
             self._look_after(row)
 
-    @property
-    def changed(self) -> Ints:
-        """The robots whose doors or barriers have changed in the last step."""
-        return np.flatnonzero(self.events != NO_EVENTS)
-
-    def step(self, acting: Flags, declared: Flags, before: NDArray[np.void]) -> tuple[Array, Flags]:
+    def step(self, modes: Ints) -> tuple[Array, Flags]:
         """Judge one step of the robots, which the fleet has already made.
 
         Args:
-            acting: (N,), which robots moved or declared; the others are left alone.
-            declared: (N,), which said "I am there".
-            before: (N,), the robots as they were before the step.
+            modes: (N,), what each robot did; those that neither moved nor declared are left alone.
 
         Returns:
             (N,) rewards, 0 for those left alone, and whether all phases are over.
         """
-        robots, going = self._fleet.robots, self.goal > 0
-        new = np.where(acting, robots["new"], 0)
-        self.seen += new
-        self.mark, self.events = np.zeros_like(self.mark), NO_EVENTS.repeat(len(new))
-        gains = new / self.cells
-        if going.any():
-            with np.errstate(invalid="ignore"):
-                nearer = before["to_goal"] - robots["to_goal"]
-            gains = np.where(going, np.where(np.isfinite(nearer), nearer, 0.0), gains)
-        rewards = np.where(acting, STEP_REWARD + gains, 0.0)
-        self._steps += acting
-        asked = (self._fleet.entered[:, 0] > 0) & self._rooms
-        asked |= self._always | (declared & going) | (robots["marked"] > 0)
-        asked |= (self._steps >= self._most_steps) | (self.seen / self.cells >= self._share)
-        over = np.zeros(len(new), dtype=np.bool_)
-        for row in np.flatnonzero(asked & acting).tolist():
-            rewards[row], over[row] = self._judge(row, before[row], declared=bool(declared[row]))
+        fleet = self._fleet
+        self.mark.fill(0)
+        for row in self.changed:
+            self.events[row] = ()
+        self.changed.clear()
+        rewards, over = np.empty(fleet.count), np.zeros(fleet.count, dtype=np.bool_)
+        count = judge_steps(
+            modes, fleet.robots, fleet.entered, self._watched, rewards, self._asked
+        )  # fmt: skip
+        for row in self._asked[:count].tolist():
+            rewards[row], over[row] = self._judge(row, declared=bool(modes[row] == DECLARE))
         return rewards, over
 
-    def _judge(self, row: int, before: np.void, *, declared: bool) -> tuple[float, bool]:
+    def _judge(self, row: int, *, declared: bool) -> tuple[float, bool]:
         """Ask the task of one robot about its step."""
-        task, fleet = self.tasks[row], self._fleet
+        task, fleet, robot = self.tasks[row], self._fleet, self._fleet.robots[row]
         names = task.rooms
         entered = [names[k] for k in fleet.entered[row, 1 : fleet.entered[row, 0] + 1]]
-        pose = Pose(*(float(before[name]) for name in ("x", "y", "theta")))
-        length, steps = float(fleet.robots[row]["length"]), int(self._steps[row]) - 1
+        pose = Pose(*(float(robot[f"before_{name}"]) for name in ("x", "y", "theta")))
+        length, steps = float(robot["length"]), int(self._steps[row]) - 1
         done = len(task.results)
         reward, over = task.step_from(pose, steps, length, entered, declared=declared)
         if len(task.results) > done:
@@ -148,6 +140,7 @@ class Crew:
         task, fleet, watch = self.tasks[row], self._fleet, self.tasks[row].watch()
         self.goal[row], self.mark[row], self.phase[row] = task.goal, task.mark, len(task.results)
         self.is_success[row], self.events[row] = task.succeeded, task.events
+        (self.changed.add if task.events else self.changed.discard)(row)
         self.scores[:, row] = task.scores
         self._most_steps[row], self._share[row] = watch.steps, watch.share
         self._rooms[row], self._always[row] = watch.rooms, watch.always

@@ -17,7 +17,7 @@ from cogmap_gym.sensors import OdometrySpec, odometry_bound
 from cogmap_gym.sites import Site
 from cogmap_gym.trail_kernel import MOST_ENTERED, NOWHERE
 from cogmap_gym.vector_kernel import step_robots
-from cogmap_gym.vector_tables import PLAN, ROBOT, SPEC
+from cogmap_gym.vector_tables import PLAN, POSE_COLUMN, ROBOT, SPEC
 
 FEWEST_IN_THREADS = 8
 """Fewer robots are stepped on one thread: starting others costs more."""
@@ -77,6 +77,11 @@ class Fleet:
         """The building of a robot."""
         site: Site = self.sites[int(self.where[row])]
         return site
+
+    def poses(self) -> Array:
+        """A fresh array (N, 3) of the true poses: x [m], y [m], heading [rad]."""
+        numbers = self.robots.view(np.float64).reshape(self.count, -1)
+        return numbers[:, POSE_COLUMN : POSE_COLUMN + 3].copy()
 
     def place(self, row: int, x: float, y: float, theta: float) -> None:
         """Put a robot somewhere at the beginning of an episode, with nothing seen."""

@@ -148,17 +148,16 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
                 a robot that ended and was not reset.
         """
         checked = checked_actions(actions, self.num_envs)
-        fresh = self._ended
         goals = self._placed_ended()
-        declared = (checked[:, 2] > DECLARED) & ~fresh
-        modes = np.where(fresh, APPEAR, np.where(declared, DECLARE, MOVE))
-        before = self._fleet.robots.copy()
+        modes = np.where(checked[:, 2] > DECLARED, DECLARE, MOVE)
+        if goals:
+            modes[list(goals)] = APPEAR
         scan, odometry = self._fleet.step(modes, checked)
-        rewards, terminated = self._crew.step(~fresh, declared, before)
+        rewards, terminated = self._crew.step(modes)
         self._crew.appear(goals)
         self._scan_again(scan)
-        self._moves += ~fresh
-        truncated = (self._moves >= self._most_moves) & ~terminated & ~fresh
+        self._moves += modes != APPEAR
+        truncated = (self._moves >= self._most_moves) & ~terminated
         self._ended = terminated | truncated
         observation, info = self._observation(scan, odometry), self._info(self._all)
         if self.autoreset_mode is AutoresetMode.SAME_STEP and self._ended.any():
@@ -229,7 +228,6 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         rows = np.flatnonzero(self._ended).tolist()
         if rows and self.autoreset_mode is AutoresetMode.DISABLED:
             raise ValueError(f"step: robots {rows} ended: reset them first, by 'reset_mask'")
-        self._ended = self._ended.copy()
         return {row: self._placed(row, None, {}) for row in rows}
 
     def _begun_at_once(self, last: Observation, info: Info) -> tuple[Observation, Info]:
@@ -247,10 +245,9 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
 
     def _scan_again(self, scan: NDArray[np.float32]) -> None:
         """Where a door or barrier has changed after a step, the robot sees it as it is now."""
-        changed = self._crew.changed
-        if len(changed):
+        if self._crew.changed:
             modes = np.full(self.num_envs, REST)
-            modes[changed] = AGAIN
+            modes[list(self._crew.changed)] = AGAIN
             self._fleet.step(modes, self._still, scan)
 
     def _observed(
@@ -282,8 +279,8 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         """The truth about the robots, as Gymnasium lays it out; fresh arrays."""
         robots, crew = self._fleet.robots, self._crew
         values = (
-            np.stack((robots["x"], robots["y"], robots["theta"]), axis=1),
-            self._room_names[self._room_rows + robots["room"]],
+            self._fleet.poses(),
+            self._room_names.take(self._room_rows + robots["room"]),
             crew.seen / crew.cells,
             robots["length"].copy(),
             crew.phase.copy(),
@@ -291,7 +288,6 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
             crew.is_success.copy(),
             *crew.scores.copy(),
         )
-        info: Info = dict(zip(_KEYS, values, strict=True))
-        masks = np.repeat(mask[None], len(_KEYS), axis=0)
-        info.update(zip(_MASKS, masks, strict=True))
-        return info
+        masks = np.empty((len(_MASKS), self.num_envs), dtype=np.bool_)
+        masks[:] = mask
+        return dict(zip(_KEYS + _MASKS, (*values, *masks), strict=True))

@@ -184,6 +184,8 @@ def _kernel(sources: int) -> Any:
                 )  # fmt: skip
             if modes[i] != AGAIN:
                 entered[i, 0], r["bump"] = 0, 0
+                r["before_x"], r["before_y"], r["before_theta"] = r["x"], r["y"], r["theta"]
+                r["before_to_goal"] = r["to_goal"]
                 odometry[i, 0] = odometry[i, 1] = odometry[i, 2] = 0.0
             if modes[i] == MOVE:
                 o = out[t]

@@ -5,6 +5,7 @@ Every function here raises ``ValueError`` that says what was expected and what c
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -88,10 +89,11 @@ def mask_of(value: Any, count: int) -> Flags:
 
 def checked_actions(actions: Any, count: int) -> Array:
     """The actions (N, 3), clipped to [-1, 1]."""
-    values = np.asarray(actions, dtype=np.float64)
-    if values.shape != (count, 3) or np.isnan(values).any():
+    values: Array = np.asarray(actions, dtype=np.float64)
+    clipped: Array = np.maximum(np.minimum(values, 1.0), -1.0)
+    if values.shape != (count, 3) or math.isnan(clipped.sum()):
         raise ValueError(f"actions: expected shape ({count}, 3) without NaN, got {actions!r}")
-    return np.clip(values, -1.0, 1.0)
+    return clipped
 
 
 def jsonable_list(value: Any) -> Any:

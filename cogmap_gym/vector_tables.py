@@ -36,6 +36,7 @@ ROBOT: Final = np.dtype(
         *((name, _INT) for name in ("room", "last", "bump", "new", "marked", "goal")),
         *((name, _FLOAT) for name in ("length", "mark_x", "mark_y", "mark_reach")),
         ("to_goal", _FLOAT),
+        *((f"before_{name}", _FLOAT) for name in ("x", "y", "theta", "to_goal")),
     ]
 )
 """What a step reads and writes of each robot.
@@ -45,7 +46,10 @@ episode. ``tiles``, ``blocks``: where its coverage begins. ``room``, ``last``: t
 and that it entered last. ``bump``, ``new``, ``marked``: contact, cells newly seen, whether it
 stands where a mark may be given. ``length``: way of this episode [m]. ``goal``: the mark it
 shall go to, which is at ``mark_x``, ``mark_y`` [m] and ``to_goal`` away by the shortest way [m].
+``before_...``: before the step.
 """
+POSE_COLUMN: Final = [*(ROBOT.names or ())].index("x")
+"""Of ``x``, before ``y`` and ``theta``, where the numbers of the robots are seen as a matrix."""
 SPEC: Final = np.dtype(
     [
         ("velocity", _INT),
