@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -11,14 +12,20 @@ from numpy.typing import NDArray
 
 from cogmap_gym.disc_kernel import MOST_POINTS, NEAR
 from cogmap_gym.geometry import Array, Points
+from cogmap_gym.helper import Helper
 from cogmap_gym.observation import LaserSpec, RobotSpec
 from cogmap_gym.raycast_kernel import LANES, Ints
 from cogmap_gym.sensors import OdometrySpec, odometry_bound
+from cogmap_gym.shared_count import all_finished, new_count
 from cogmap_gym.sites import Site
 from cogmap_gym.trail_kernel import MOST_ENTERED, NOWHERE
 from cogmap_gym.vector_kernel import step_robots
 from cogmap_gym.vector_tables import PLAN, POSE_COLUMN, ROBOT, SPEC
 
+LINE_BYTES = 128
+"""Bytes that a processor fetches together [-], at most."""
+PAUSE_S = 1e-4
+"""How long a thread sleeps before it looks again whether the others have finished [s]."""
 FEWEST_IN_THREADS = 8
 """Fewer robots are stepped on one thread: starting others costs more."""
 
@@ -70,8 +77,8 @@ class Fleet:
         self._rooms = (np.concatenate([site.segments for site in sites]), *_joined_rooms(sites))
         self._goals: tuple[Array, Array] = np.zeros((0, 2)), np.zeros((count, 0))
         self._graphs: dict[int, int] = {}
-        self._scratch = self._made_scratch()
-        self._pool: ThreadPoolExecutor | None = None
+        self._scratch = [self._made_scratch() for _ in range(self.threads)]
+        self._helpers: list[Helper] = []
 
     def site(self, row: int) -> Site:
         """The building of a robot."""
@@ -112,7 +119,8 @@ class Fleet:
             wide = max(len(nodes) - all_lengths.shape[1], 0)
             all_lengths = np.pad(all_lengths, ((0, 0), (0, wide)))
             self._goals = all_nodes, all_lengths
-            self._scratch = (*self._scratch[:-1], np.zeros((self.threads, all_lengths.shape[1])))
+            width = all_lengths.shape[1]
+            self._scratch = [(*most, _apart(width)) for *most, _ in self._scratch]
         all_lengths[row, : len(lengths)] = lengths
         robot["goal"], robot["mark_reach"] = goal, reach
         robot["mark_x"], robot["mark_y"] = mark
@@ -136,56 +144,49 @@ class Fleet:
         odometry = np.empty((self.count, 3), dtype=np.float32)
         arrays: tuple[Any, ...] = (
             *(modes, actions, self._spec, self.plans, self.robots, self.solid, self.wanted),
-            *(self._tables, self._rooms, self._memory, self._goals, self._scratch),
-            *(self.entered, scan, odometry),
+            *(self._tables, self._rooms, self._memory, self._goals, self.entered, scan, odometry),
         )
-        ends = [self.count * t // self.threads for t in range(self.threads + 1)]
-        parts: list[tuple[Any, ...]] = [
-            (ends[t], ends[t + 1], t, *arrays) for t in range(self.threads)
-        ]
-        others = [self._helpers().submit(_step, part) for part in parts[1:]]
-        step_robots(*parts[0])
-        for other in others:
-            other.result()
+        count = new_count()
+        for helper, scratch in zip(self._awake(), self._scratch[1:], strict=True):
+            helper.tell(step_robots, count, scratch, *arrays)
+        step_robots(count, self._scratch[0], *arrays)
+        while self.threads > 1 and not all_finished(count, self.count):
+            assert all(helper.alive for helper in self._helpers), "a thread has failed"
+            time.sleep(PAUSE_S)
         return scan, odometry
 
     def close(self) -> None:
         """Let the threads go; they come back when they are needed."""
-        if self._pool is not None:
-            self._pool.shutdown()
-        self._pool = None
+        self._helpers = []
 
     def __getstate__(self) -> dict[str, Any]:
         """All but the threads."""
-        return {**self.__dict__, "_pool": None}
+        return {**self.__dict__, "_helpers": []}
 
-    def _helpers(self) -> ThreadPoolExecutor:
-        """The threads beside the one that calls."""
-        if self._pool is None:
-            self._pool = ThreadPoolExecutor(self.threads - 1)
-        return self._pool
+    def _awake(self) -> list[Helper]:
+        """The threads beside the one that calls; a forked process starts its own."""
+        if not (self._helpers and all(helper.alive for helper in self._helpers)):
+            self._helpers = [Helper() for _ in range(self.threads - 1)]
+        return self._helpers
 
     def _made_scratch(self) -> tuple[Any, ...]:
-        """What each thread writes and forgets."""
-        threads, beams = self.threads, self._beams
+        """What a thread writes and forgets."""
         most = max(len(site.fixed) + len(site.movable) for site in self.sites)
         return (
-            np.zeros((threads, most, NEAR)),
-            np.zeros((threads, 4)),
-            np.zeros((threads, MOST_POINTS, 2)),
-            np.zeros((threads, 7)),
-            np.zeros((threads, most), dtype=np.int64),
-            np.zeros(threads, dtype=np.int64),
-            np.zeros((threads, beams)),
-            np.zeros((threads, beams)),
-            np.zeros((threads, beams), dtype=np.bool_),
-            np.zeros((threads, 0)),
+            *(_apart(most, NEAR), _apart(4), _apart(MOST_POINTS, 2), _apart(7)),
+            *(_apart(most, dtype=np.int64), _apart(1, dtype=np.int64)),
+            *(_apart(self._beams), _apart(self._beams), _apart(self._beams, dtype=np.bool_)),
+            _apart(0),
         )
 
 
-def _step(part: tuple[Any, ...]) -> None:
-    """Step some robots."""
-    step_robots(*part)
+def _apart(*shape: int, dtype: Any = np.float64) -> NDArray[Any]:
+    """Zeros that share no cache line with other arrays, so that no thread waits for another."""
+    size = math.prod(shape) * np.dtype(dtype).itemsize
+    memory = np.zeros(size + 2 * LINE_BYTES, dtype=np.uint8)
+    begin = -memory.ctypes.data % LINE_BYTES
+    zeros: NDArray[Any] = memory[begin : begin + size].view(dtype).reshape(shape)
+    return zeros
 
 
 def _plan_table(sites: Sequence[Site]) -> NDArray[Any]:

@@ -24,6 +24,7 @@ from cogmap_gym import (
     phases,
     raycast_kernel,
     sensors,
+    shared_count,
     trail,
     trail_kernel,
     vector_tables,
@@ -53,6 +54,7 @@ from cogmap_gym.noise import add_noise, key_at, normal
 from cogmap_gym.phases import MARK_GAP_M
 from cogmap_gym.raycast_kernel import cast_rays
 from cogmap_gym.sensors import TYPICAL_DISTANCE, TYPICAL_TURN
+from cogmap_gym.shared_count import finish, take
 from cogmap_gym.trail_kernel import NOWHERE, door_gap, follow, room_at
 from cogmap_gym.vector_tables import AGAIN, DECLARE, MOVE, REST
 from cogmap_gym.visibility import TOLERANCE_M
@@ -147,28 +149,32 @@ def _approach(
 
 
 def _kernel(sources: int) -> Any:
-    """The step of the robots begin..end, with the scratch memory of thread t."""
+    """The step of the robots that no other thread takes, with scratch memory of one's own."""
 
     def step_some(
-        begin: int, end: int, t: int, modes: Any, actions: Any, spec: Any, plans: Any,
+        shared: Any, scratch: Tables, modes: Any, actions: Any, spec: Any, plans: Any,
         robots: Any, solid: Any, wanted: Any, tables: Tables, rooms: Tables, memory: Tables,
-        goals: Tables, scratch: Tables, entered: Any, scan: Any, odometry: Any,
+        goals: Tables, entered: Any, scan: Any, odometry: Any,
     ) -> int:  # fmt: skip
         all_segments, boxes, corners, edges = rooms
         tiles, blocks = memory
         nodes, lengths = goals
-        near, velocity, path, out, seen, stamps, longest, draws, missed, values = scratch
-        for i in range(begin, end):
+        near, velocity, path, o, seen, stamps, longest, draws, missed, values = scratch
+        taken = 0
+        for taken in range(len(modes) + 1):  # noqa: B007 - counts the robots
+            i = take(shared)
+            if i >= len(modes):
+                break
             if modes[i] == REST:
                 continue
             r = robots[i]
             p = plans[r["plan"]]
-            fixed, stamp = p["fixed"], stamps[t] + 2
-            stamps[t] = stamp
+            fixed, stamp = p["fixed"], stamps[0] + 2
+            stamps[0] = stamp
             total = fixed + p["movable"]
             segments = all_segments[p["begin"] : p["begin"] + total]
             for m in range(p["movable"]):
-                seen[t, fixed + m] = 0 if solid[i, m] else ABSENT
+                seen[fixed + m] = 0 if solid[i, m] else ABSENT
             if modes[i] == AGAIN:
                 r["count"] -= 1
             reach = spec["radius"] + DRIFT_M
@@ -179,8 +185,8 @@ def _kernel(sources: int) -> Any:
             count = 0
             if modes[i] == MOVE or (modes[i] == DECLARE and r["goal"] > 0):
                 count = gather(
-                    r["x"], r["y"], reach, segments, tables[1][p["cells"] :], tables[2], seen[t],
-                    stamp - 1, tables[0][r["plan"]], p["columns"], p["lines"], near[t],
+                    r["x"], r["y"], reach, segments, tables[1][p["cells"] :], tables[2], seen,
+                    stamp - 1, tables[0][r["plan"]], p["columns"], p["lines"], near,
                 )  # fmt: skip
             if modes[i] != AGAIN:
                 entered[i, 0], r["bump"] = 0, 0
@@ -188,12 +194,11 @@ def _kernel(sources: int) -> Any:
                 r["before_to_goal"] = r["to_goal"]
                 odometry[i, 0] = odometry[i, 1] = odometry[i, 2] = 0.0
             if modes[i] == MOVE:
-                o = out[t]
                 o[X], o[Y], o[HEADING] = r["x"], r["y"], r["theta"]
-                _move(r, spec, actions[i, 0], actions[i, 1], near[t], count, velocity[t],
-                      path[t], o)  # fmt: skip
+                _move(r, spec, actions[i, 0], actions[i, 1], near, count, velocity,
+                      path, o)  # fmt: skip
                 r["length"] += follow(
-                    path[t], int(o[POINTS]), r["last"], boxes, corners, edges, p["rooms"],
+                    path, int(o[POINTS]), r["last"], boxes, corners, edges, p["rooms"],
                     p["rooms_end"], segments, fixed, fixed + p["doors"], entered[i],
                 )  # fmt: skip
                 _measure(r, spec, o[TURNED], o[DRIVEN], odometry[i])
@@ -207,15 +212,16 @@ def _kernel(sources: int) -> Any:
                 gap = door_gap(r["x"], r["y"], segments, fixed, fixed + p["doors"])
                 r["marked"] = 1 if gap >= MARK_GAP_M else 0
             if r["goal"] > 0 and modes[i] in (MOVE, DECLARE):
-                gap = gap_to(r["x"], r["y"], near[t], count)
-                _approach(r, p, spec, segments, gap, solid[i], nodes, lengths[i], values[t])
+                gap = gap_to(r["x"], r["y"], near, count)
+                _approach(r, p, spec, segments, gap, solid[i], nodes, lengths[i], values)
             _sense(
-                r, p, spec, segments, tables, seen[t], stamp, tiles, blocks, longest[t],
-                draws[t], missed[t], scan[i], modes[i] != AGAIN,
+                r, p, spec, segments, tables, seen, stamp, tiles, blocks, longest,
+                draws, missed, scan[i], modes[i] != AGAIN,
             )  # fmt: skip
             r["count"] += 1
             for m in range(p["movable"]):
-                seen[t, fixed + m] = 0
+                seen[fixed + m] = 0
+        finish(shared, taken)
         return sources
 
     return whole(step_some)
@@ -233,6 +239,7 @@ step_robots = _kernel(
         phases,
         raycast_kernel,
         sensors,
+        shared_count,
         trail,
         trail_kernel,
         vector_tables,
