@@ -45,7 +45,7 @@ from cogmap_gym.vector_tables import AGAIN, APPEAR, DECLARE, MOVE, REST
 
 Info = dict[str, Any]
 _KEYS = ("pose", "room", "coverage", "path_length", "phase", "events", "is_success", *SCORES)
-_MASKS = tuple(f"_{key}" for key in _KEYS)
+_KEYS_AND_MASKS = (*_KEYS, *(f"_{key}" for key in _KEYS))
 
 
 class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
@@ -288,6 +288,6 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
             crew.is_success.copy(),
             *crew.scores.copy(),
         )
-        masks = np.empty((len(_MASKS), self.num_envs), dtype=np.bool_)
+        masks = np.empty((len(_KEYS), self.num_envs), dtype=np.bool_)
         masks[:] = mask
-        return dict(zip(_KEYS + _MASKS, (*values, *masks), strict=True))
+        return dict(zip(_KEYS_AND_MASKS, (*values, *masks), strict=True))
