@@ -20,7 +20,7 @@ from cogmap_gym.shared_count import all_finished, new_count
 from cogmap_gym.sites import Site
 from cogmap_gym.trail_kernel import MOST_ENTERED, NOWHERE
 from cogmap_gym.vector_kernel import step_robots
-from cogmap_gym.vector_tables import PLAN, POSE_COLUMN, ROBOT, SPEC
+from cogmap_gym.vector_tables import PLAN, POSE, ROBOT, SPEC
 
 LINE_BYTES = 128
 """Bytes that a processor fetches together [-], at most."""
@@ -87,8 +87,8 @@ class Fleet:
 
     def poses(self) -> Array:
         """A fresh array (N, 3) of the true poses: x [m], y [m], heading [rad]."""
-        numbers = self.robots.view(np.float64).reshape(self.count, -1)
-        return numbers[:, POSE_COLUMN : POSE_COLUMN + 3].copy()
+        poses: Array = self.robots.view(POSE)["pose"].copy()
+        return poses
 
     def place(self, row: int, x: float, y: float, theta: float) -> None:
         """Put a robot somewhere at the beginning of an episode, with nothing seen."""

@@ -150,13 +150,13 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         checked = checked_actions(actions, self.num_envs)
         goals = self._placed_ended()
         modes = np.where(checked[:, 2] > DECLARED, DECLARE, MOVE)
+        self._moves += 1
         if goals:
-            modes[list(goals)] = APPEAR
+            modes[list(goals)], self._moves[list(goals)] = APPEAR, 0
         scan, odometry = self._fleet.step(modes, checked)
         rewards, terminated = self._crew.step(modes)
         self._crew.appear(goals)
         self._scan_again(scan)
-        self._moves += modes != APPEAR
         truncated = (self._moves >= self._most_moves) & ~terminated
         self._ended = terminated | truncated
         observation, info = self._observation(scan, odometry), self._info(self._all)
@@ -225,7 +225,7 @@ class CogMapVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]])
         """Put the robots that ended in the last step at the beginning of their next episode."""
         if self._last is None:
             raise ResetNeeded("Cannot call step before the first reset")
-        rows = np.flatnonzero(self._ended).tolist()
+        rows = self._ended.nonzero()[0].tolist()
         if rows and self.autoreset_mode is AutoresetMode.DISABLED:
             raise ValueError(f"step: robots {rows} ended: reset them first, by 'reset_mask'")
         return {row: self._placed(row, None, {}) for row in rows}

@@ -48,8 +48,15 @@ stands where a mark may be given. ``length``: way of this episode [m]. ``goal``:
 shall go to, which is at ``mark_x``, ``mark_y`` [m] and ``to_goal`` away by the shortest way [m].
 ``before_...``: before the step.
 """
-POSE_COLUMN: Final = [*(ROBOT.names or ())].index("x")
-"""Of ``x``, before ``y`` and ``theta``, where the numbers of the robots are seen as a matrix."""
+POSE: Final = np.dtype(
+    {
+        "names": ["pose"],
+        "formats": [(_FLOAT, (3,))],
+        "offsets": [_INT().itemsize],
+        "itemsize": ROBOT.itemsize,
+    }
+)
+"""Of the same memory: ``x``, ``y`` and ``theta`` as one."""
 SPEC: Final = np.dtype(
     [
         ("velocity", _INT),
