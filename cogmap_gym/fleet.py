@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cogmap_gym.coverage_kernel import scratch_of
 from cogmap_gym.disc_kernel import MOST_POINTS, NEAR
 from cogmap_gym.geometry import Array, Points
 from cogmap_gym.observation import LaserSpec, RobotSpec
@@ -171,7 +172,7 @@ class Fleet:
             np.zeros((threads, 7)),
             np.zeros((threads, most), dtype=np.int64),
             np.zeros(threads, dtype=np.int64),
-            np.zeros((threads, beams)),
+            tuple(np.stack([part] * threads) for part in scratch_of(beams)),
             np.zeros((threads, beams)),
             np.zeros((threads, beams), dtype=np.bool_),
             np.zeros((threads, 0)),

@@ -105,7 +105,7 @@ def _measure(r: Any, spec: Any, turn: float, distance: float, reading: Any) -> N
 @part
 def _sense(
     r: Any, p: Any, spec: Any, segments: Array, tables: Tables, seen: Any, stamp: int,
-    tiles: Any, blocks: Any, longest: Array, draws: Array, missed: Any, scan: Any,
+    tiles: Any, blocks: Any, looking: Tables, draws: Array, missed: Any, scan: Any,
     looks: bool,
 ) -> None:  # fmt: skip
     """Scan, with noise, and if it ``looks`` mark what is seen; see ``Laser`` and ``Coverage``."""
@@ -127,7 +127,7 @@ def _sense(
     full = blocks[r["blocks"] : r["blocks"] + high * wide // 16].reshape((high // 4, wide // 4))
     r["new"] = look(
         unseen, full, (x - p["corner_x"]) / CELL_M, (y - p["corner_y"]) / CELL_M, heading,
-        fan, last, spec["step"], ranges, longest,
+        fan, last, spec["step"], ranges, looking,
     )  # fmt: skip
 
 
@@ -157,7 +157,8 @@ def _kernel(sources: int) -> Any:
         all_segments, boxes, corners, edges = rooms
         tiles, blocks = memory
         nodes, lengths = goals
-        near, velocity, path, out, seen, stamps, longest, draws, missed, values = scratch
+        near, velocity, path, out, seen, stamps, looking, draws, missed, values = scratch
+        beams, places, spans = looking
         for i in range(begin, end):
             if modes[i] == REST:
                 continue
@@ -208,8 +209,8 @@ def _kernel(sources: int) -> Any:
                 gap = gap_to(r["x"], r["y"], near[t], count)
                 _approach(r, p, spec, segments, gap, solid[i], nodes, lengths[i], values[t])
             _sense(
-                r, p, spec, segments, tables, seen[t], stamp, tiles, blocks, longest[t],
-                draws[t], missed[t], scan[i], modes[i] != AGAIN,
+                r, p, spec, segments, tables, seen[t], stamp, tiles, blocks,
+                (beams[t], places[t], spans[t]), draws[t], missed[t], scan[i], modes[i] != AGAIN,
             )  # fmt: skip
             r["count"] += 1
             for m in range(p["movable"]):
