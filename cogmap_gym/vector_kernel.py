@@ -158,7 +158,7 @@ def _kernel(sources: int) -> Any:
         tiles, blocks = memory
         nodes, lengths = goals
         near, velocity, path, out, seen, stamps, looking, draws, missed, values = scratch
-        beams, places, spans = looking
+        reaches, longest, bits, places, spans = looking
         for i in range(begin, end):
             if modes[i] == REST:
                 continue
@@ -208,9 +208,10 @@ def _kernel(sources: int) -> Any:
             if r["goal"] > 0 and modes[i] in (MOVE, DECLARE):
                 gap = gap_to(r["x"], r["y"], near[t], count)
                 _approach(r, p, spec, segments, gap, solid[i], nodes, lengths[i], values[t])
+            own = reaches[t], longest[t], bits[t], places[t], spans[t]
             _sense(
-                r, p, spec, segments, tables, seen[t], stamp, tiles, blocks,
-                (beams[t], places[t], spans[t]), draws[t], missed[t], scan[i], modes[i] != AGAIN,
+                r, p, spec, segments, tables, seen[t], stamp, tiles, blocks, own,
+                draws[t], missed[t], scan[i], modes[i] != AGAIN,
             )  # fmt: skip
             r["count"] += 1
             for m in range(p["movable"]):
