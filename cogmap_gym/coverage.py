@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import ndimage
 
-from cogmap_gym.coverage_kernel import SPAN, blocks_of, look_once, tiles_of
+from cogmap_gym.coverage_kernel import blocks_of, look_once, scratch_of, tiles_of
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Pose, Segments
 from cogmap_gym.grid import CELL_M, Grid, Mask
@@ -35,7 +35,7 @@ class Coverage:
         turns = (np.arange(laser.beams) - 0.5 * self._last) * laser.step
         self._fan = np.stack((np.cos(turns), np.sin(turns)))
         self._middle = laser.first_angle + 0.5 * self._last * float(laser.step)
-        self._longest = np.zeros(self._last // SPAN + 1)
+        self._scratch = scratch_of(laser.beams)
         self.forget()
 
     @property
@@ -55,7 +55,7 @@ class Coverage:
         x, y = (eye.x - self._grid.x0) / CELL_M, (eye.y - self._grid.y0) / CELL_M
         new = look_once(
             self._unseen, self._blocks, x, y, eye.theta + self._middle, self._fan, self._last,
-            float(self._laser.step), ranges, self._longest,
+            float(self._laser.step), ranges, self._scratch,
         )  # fmt: skip
         self._count += int(new)
         return int(new) / self._total

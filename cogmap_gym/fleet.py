@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cogmap_gym.coverage_kernel import scratch_of
 from cogmap_gym.disc_kernel import MOST_POINTS, NEAR
 from cogmap_gym.geometry import Array, Points
 from cogmap_gym.helper import Helper
@@ -175,8 +176,8 @@ class Fleet:
         return (
             *(_apart(most, NEAR), _apart(4), _apart(MOST_POINTS, 2), _apart(7)),
             *(_apart(most, dtype=np.int64), _apart(1, dtype=np.int64)),
-            *(_apart(self._beams), _apart(self._beams), _apart(self._beams, dtype=np.bool_)),
-            _apart(0),
+            tuple(_apart(*part.shape, dtype=part.dtype) for part in scratch_of(self._beams)),
+            *(_apart(self._beams), _apart(self._beams, dtype=np.bool_), _apart(0)),
         )
 
 

@@ -107,7 +107,7 @@ def _measure(r: Any, spec: Any, turn: float, distance: float, reading: Any) -> N
 @part
 def _sense(
     r: Any, p: Any, spec: Any, segments: Array, tables: Tables, seen: Any, stamp: int,
-    tiles: Any, blocks: Any, longest: Array, draws: Array, missed: Any, scan: Any,
+    tiles: Any, blocks: Any, looking: Tables, draws: Array, missed: Any, scan: Any,
     looks: bool,
 ) -> None:  # fmt: skip
     """Scan, with noise, and if it ``looks`` mark what is seen; see ``Laser`` and ``Coverage``."""
@@ -129,7 +129,7 @@ def _sense(
     full = blocks[r["blocks"] : r["blocks"] + high * wide // 16].reshape((high // 4, wide // 4))
     r["new"] = look(
         unseen, full, (x - p["corner_x"]) / CELL_M, (y - p["corner_y"]) / CELL_M, heading,
-        fan, last, spec["step"], ranges, longest,
+        fan, last, spec["step"], ranges, looking,
     )  # fmt: skip
 
 
@@ -159,7 +159,7 @@ def _kernel(sources: int) -> Any:
         all_segments, boxes, corners, edges = rooms
         tiles, blocks = memory
         nodes, lengths = goals
-        near, velocity, path, o, seen, stamps, longest, draws, missed, values = scratch
+        near, velocity, path, o, seen, stamps, looking, draws, missed, values = scratch
         taken = 0
         for taken in range(len(modes) + 1):  # noqa: B007 - counts the robots
             i = take(shared)
@@ -215,7 +215,7 @@ def _kernel(sources: int) -> Any:
                 gap = gap_to(r["x"], r["y"], near, count)
                 _approach(r, p, spec, segments, gap, solid[i], nodes, lengths[i], values)
             _sense(
-                r, p, spec, segments, tables, seen, stamp, tiles, blocks, longest,
+                r, p, spec, segments, tables, seen, stamp, tiles, blocks, looking,
                 draws, missed, scan[i], modes[i] != AGAIN,
             )  # fmt: skip
             r["count"] += 1
