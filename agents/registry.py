@@ -61,6 +61,7 @@ AGENTS: dict[str, Entry] = {
     "frontier_slam": Entry(_slam_agent, needs="gtsam", extra="slam"),
     "frontier_oracle": Entry(lambda _: FrontierAgent(TruePosition()), knows_pose=True),
     "ppo": Entry(_learned("ppo"), needs="sb3_contrib", extra="rl"),
+    "recurrent_ppo": Entry(_learned("recurrent_ppo"), needs="sb3_contrib", extra="rl"),
     "cogmap": Entry(lambda _: CogMapAgent()),
     "cogmap_literal": Entry(lambda _: CogMapAgent(Params.literal())),
 }

@@ -176,9 +176,16 @@ class Fleet:
         return (
             *(_apart(most, NEAR), _apart(4), _apart(MOST_POINTS, 2), _apart(7)),
             *(_apart(most, dtype=np.int64), _apart(1, dtype=np.int64)),
-            tuple(_apart(*part.shape, dtype=part.dtype) for part in scratch_of(self._beams)),
+            tuple(_moved_apart(part) for part in scratch_of(self._beams)),
             *(_apart(self._beams), _apart(self._beams, dtype=np.bool_), _apart(0)),
         )
+
+
+def _moved_apart(array: NDArray[Any]) -> NDArray[Any]:
+    """A copy that shares no cache line with other arrays."""
+    copy = _apart(*array.shape, dtype=array.dtype)
+    copy[...] = array
+    return copy
 
 
 def _apart(*shape: int, dtype: Any = np.float64) -> NDArray[Any]:

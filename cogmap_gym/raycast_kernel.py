@@ -34,6 +34,11 @@ ANGLE_ERROR: Final = 2e-5
 LANES: Final = 8
 """Beams are drawn in blocks of so many. Ours: no ragged loop ends, a seventh of the time."""
 
+LISTED: Final = 64
+"""Walls that are drawn together at most. Ours."""
+CELL_MARGIN: Final = 1e-6
+"""A segment is entered in the cells within this distance [m]. Ours: beyond all rounding."""
+
 Ints = NDArray[np.int64]
 _F = TypeVar("_F", bound=Callable[..., Any])
 
@@ -134,23 +139,110 @@ def _draw(
 
 
 @compiled
-def _cell_beams(x: float, y: float, cell: float, step: float, last: int) -> tuple[int, int, int]:
-    """Beams low..high and 0..over may enter the cell about (x, y) of the fan frame."""
-    low_angle, high_angle = -math.tau, math.tau  # From near by, any.
-    distance = math.sqrt(x * x + y * y)
-    if distance > 1.5 * cell:
-        middle = _angle(x, y)
+def _list_walls(
+    begin: int, end: int, count: int, c: float, s: float, x: float, y: float, behind: float,
+    segments: Array, rows: Ints, seen: Ints, stamp: int, walls: Array,
+) -> int:  # fmt: skip
+    """List the walls of rows[begin:end] that are new, in the fan frame; answer the list's end."""
+    for n in range(begin, end):
+        row = rows[n]
+        px, py = segments[row, 0] - x, segments[row, 1] - y
+        qx, qy = segments[row, 2] - x, segments[row, 3] - y
+        walls[0, count], walls[1, count] = c * px + s * py, c * py - s * px
+        walls[2, count], walls[3, count] = c * qx + s * qy, c * qy - s * qx
+        new = (seen[row] < stamp) & (max(walls[0, count], walls[2, count]) >= behind)
+        seen[row] = max(seen[row], stamp)
+        count += 1 if new else 0
+    return count
+
+
+@compiled
+def _aim_walls(count: int, last: int, step: float, walls: Array, ends: Ints) -> None:
+    """Find line (a, b) and beams low..high of each listed wall, as ``_draw`` does.
+
+    ``ends`` says in its third row whether the wall is clear: -1 if it needs ``_draw``, 1 if it
+    lies across the seam. Without branches, so that it is vectorised.
+    """
+    per_step, middle = 1.0 / step, 0.5 * last
+    margin = ANGLE_ERROR * per_step
+    for n in range(np.uint64(count)):
+        px, py, qx, qy = walls[0, n], walls[1, n], walls[2, n], walls[3, n]
+        sx, sy = qx - px, qy - py
+        c = px * sy - py * sx
+        clear = c * c > SLACK * SLACK * (sx * sx + sy * sy)
+        walls[4, n], walls[5, n] = sy / c, -sx / c
+        turned = c < 0.0
+        px, qx = qx if turned else px, px if turned else qx
+        py, qy = qy if turned else py, py if turned else qy
+        f, g = _angle(px, py) * per_step + middle, _angle(qx, qy) * per_step + middle
+        low = math.ceil(min(max(0.0, f - margin), last + 1.0))
+        high = math.floor(max(-1.0, min(1.0 * last, g + margin)))
+        clear &= (low > min(f + margin, 1.0 * last)) & (high < max(g - margin, 0.0))
+        seam = 1 if (py >= 0.0) & (qy < 0.0) else 0
+        ends[0, n], ends[1, n], ends[2, n] = low, high, seam if clear else -1
+
+
+@compiled
+def _draw_walls(
+    count: int, fan: Array, last: int, step: float, walls: Array, ends: Ints, inverse: Array
+) -> None:
+    """Draw the listed walls."""
+    _aim_walls(count, last, step, walls, ends)
+    for n in range(count):
+        if ends[2, n] == 0:
+            _paint(ends[0, n], ends[1, n], walls[4, n], walls[5, n], fan, inverse)
+        else:  # Across the seam, edge-on, or an end within the error of a beam's angle.
+            px, py, qx, qy = walls[0, n], walls[1, n], walls[2, n], walls[3, n]
+            _draw(px, py, qx, qy, fan, last, step, inverse)
+
+
+@compiled
+def _list_ring(
+    ring: int, column: int, line: int, columns: int, lines: int, first: Ints, cells: Ints
+) -> int:
+    """List the cells of a ring that hold walls; answer how many."""
+    count = 0
+    for j in range(max(line - ring, 0), min(line + ring, lines - 1) + 1):
+        # A ring's first and last lines are whole; of the others it has the two ends.
+        left, right, hop = column - ring, column + ring, max(2 * ring, 1)
+        if abs(j - line) == ring:
+            left, right, hop = max(left, 0), min(right, columns - 1), 1
+        for i in range(left, right + 1, hop):
+            if 0 <= i < columns:
+                k = j * columns + i
+                cells[0, count], cells[1, count], cells[2, count] = k, i, j
+                count += 1 if first[k] < first[k + 1] else 0
+    return count
+
+
+@compiled
+def _find_beams(
+    count: int, gx: float, gy: float, cell: float, c: float, s: float, step: float, last: int,
+    cells: Ints, beams: Ints, near: Array,
+) -> None:  # fmt: skip
+    """Which beams may enter the listed cells, and how near these are to the laser.
+
+    Written are beams low..high and 0..over. Without branches, so that it is vectorised.
+    """
+    per_step, middle = 1.0 / step, 0.5 * last
+    for n in range(np.uint64(count)):
+        mx, my = (cells[1, n] + 0.5) * cell - gx, (cells[2, n] + 0.5) * cell - gy
+        distance = math.sqrt(mx * mx + my * my)
+        angle = _angle(c * mx + s * my, c * my - s * mx)
         # The circle round the cell; asin(z) < 1.05 z from 1.5 cells away.
-        half = 1.05 * math.sqrt(0.5) * cell / distance + ANGLE_ERROR
-        low_angle, high_angle = middle - half, middle + half
-    over = -1.0
-    if low_angle < -math.pi:
-        low_angle, high_angle = low_angle + math.tau, high_angle + math.tau
-    if high_angle > math.pi:  # Across the seam behind the fan.
-        over = min((high_angle - math.tau) / step + 0.5 * last, 1.0 * last)
-    low = min(max(low_angle / step + 0.5 * last, 0.0), last + 1.0)
-    high = max(min(high_angle / step + 0.5 * last, 1.0 * last), -1.0)
-    return math.ceil(low), math.floor(high), math.floor(max(over, -1.0))
+        half = 1.05 * math.sqrt(0.5) * cell / max(distance, cell) + ANGLE_ERROR
+        half = half if distance > 1.5 * cell else math.tau  # From near by, any.
+        low, high = angle - half, angle + half
+        across = (low < -math.pi) | (high > math.pi)  # The seam behind the fan.
+        high = high + math.tau if low < -math.pi else high
+        low = low + math.tau if low < -math.pi else low
+        over = min((high - math.tau) * per_step + middle, 1.0 * last)
+        low = min(max(low * per_step + middle, 0.0), last + 1.0)
+        high = max(min(high * per_step + middle, 1.0 * last), -1.0)
+        beams[0, n], beams[1, n] = math.ceil(low), math.floor(high)
+        beams[2, n] = math.floor(max(over, -1.0)) if across else -1
+        dx, dy = max(abs(mx) - 0.5 * cell, 0.0), max(abs(my) - 0.5 * cell, 0.0)
+        near[n] = max(math.sqrt(dx * dx + dy * dy) - CELL_MARGIN, 0.0)
 
 
 @compiled
@@ -170,15 +262,12 @@ def _reach(x: float, y: float, ring: int, cell: float, columns: int, lines: int)
 
 
 @compiled
-def _find_open(reach: float, inverse: Array, open_at: Ints) -> None:
-    """Set ``open_at[i]`` to the first beam from i on that may yet be shortened."""
-    final = 1.0 / reach
-    beams = len(open_at) - 1
-    nearest = beams
-    for k in range(np.uint64(1), np.uint64(beams + 1)):
-        i = np.uint64(beams) - k
-        nearest = beams - k if inverse[i] < final else nearest
-        open_at[i] = nearest
+def _open(low: int, high: int, reach: float, inverse: Array) -> bool:
+    """Whether one of the beams low..high, if any, or of their blocks reaches so far."""
+    count = 0
+    for i in range(np.uint64(low // LANES * LANES), np.uint64((high // LANES + 1) * LANES)):
+        count += 1 if inverse[i] * reach < 1.0 else 0
+    return count > 0
 
 
 @compiled
@@ -211,42 +300,37 @@ def cast_rays(
 ) -> Array:
     """Exact ranges (beams,) of a fan whose middle points along ``heading``; see RayCaster."""
     inverse = np.full(fan.shape[1], 1.0 / range_max)
-    open_at = np.arange(last + 2)
+    for b in range(last + 1, len(inverse)):
+        inverse[b] = math.inf
+    most = int(min(8.0 * (range_max / grid[2] + 2.0), 2.0 * (columns + lines))) + 1
+    cells, beams = np.empty((3, most), dtype=np.int64), np.empty((3, most), dtype=np.int64)
+    near = np.empty(most)
+    walls, ends, listed = np.empty((6, LISTED)), np.empty((3, LISTED), dtype=np.int64), 0
     c, s = math.cos(heading), math.sin(heading)
     behind = -SLACK if last * step <= math.pi else -math.inf  # What is further back is not seen.
     cell, gx, gy = grid[2], x - grid[0], y - grid[1]
     column, line = math.floor(gx / cell), math.floor(gy / cell)
     ring = max(0, -column, column - columns + 1, -line, line - lines + 1)
     reach = _reach(gx, gy, ring, cell, columns, lines)
-    while reach < range_max and open_at[0] <= last:
-        for j in range(max(line - ring, 0), min(line + ring, lines - 1) + 1):
-            # A ring's first and last lines are whole; of the others it has the two ends.
-            left, right, hop = column - ring, column + ring, 2 * ring
-            if abs(j - line) == ring:
-                left, right, hop = max(left, 0), min(right, columns - 1), 1
-            for i in range(left, right + 1, hop):
-                if i < 0 or i >= columns:
+    while reach < range_max and _open(0, last, reach, inverse):
+        count = _list_ring(ring, column, line, columns, lines, first, cells)
+        _find_beams(count, gx, gy, cell, c, s, step, last, cells, beams, near)
+        for m in range(count):
+            if not _open(beams[0, m], beams[1, m], near[m], inverse):
+                if beams[2, m] < 0 or not _open(0, beams[2, m], near[m], inverse):
                     continue
-                k = j * columns + i
-                if first[k] == first[k + 1]:
-                    continue
-                mx, my = (i + 0.5) * cell - gx, (j + 0.5) * cell - gy
-                low, high, over = _cell_beams(c * mx + s * my, c * my - s * mx, cell, step, last)
-                if open_at[low] > high and open_at[0] > over:
-                    continue
-                for n in range(first[k], first[k + 1]):
-                    row = rows[n]
-                    if seen[row] >= stamp:
-                        continue
-                    seen[row] = stamp
-                    px, py = segments[row, 0] - x, segments[row, 1] - y
-                    qx, qy = segments[row, 2] - x, segments[row, 3] - y
-                    px, py = c * px + s * py, c * py - s * px
-                    qx, qy = c * qx + s * qy, c * qy - s * qx
-                    if max(px, qx) < behind:
-                        continue
-                    _draw(px, py, qx, qy, fan, last, step, inverse)
+            n = first[cells[0, m]]
+            while n < first[cells[0, m] + 1]:
+                if listed > LISTED // 2:
+                    _draw_walls(listed, fan, last, step, walls, ends, inverse)
+                    listed = 0
+                end = min(first[cells[0, m] + 1], n + LISTED - listed)
+                listed = _list_walls(
+                    n, end, listed, c, s, x, y, behind, segments, rows, seen, stamp, walls
+                )
+                n = end
+        _draw_walls(listed, fan, last, step, walls, ends, inverse)
+        listed = 0
         ring += 1
         reach = _reach(gx, gy, ring, cell, columns, lines)
-        _find_open(reach, inverse, open_at)
     return _invert(inverse, last, range_max)
