@@ -316,9 +316,10 @@ def cast_rays(
         count = _list_ring(ring, column, line, columns, lines, first, cells)
         _find_beams(count, gx, gy, cell, c, s, step, last, cells, beams, near)
         for m in range(count):
-            if not _open(beams[0, m], beams[1, m], near[m], inverse):
-                if beams[2, m] < 0 or not _open(0, beams[2, m], near[m], inverse):
-                    continue
+            if not _open(beams[0, m], beams[1, m], near[m], inverse) and (
+                beams[2, m] < 0 or not _open(0, beams[2, m], near[m], inverse)
+            ):
+                continue
             n = first[cells[0, m]]
             while n < first[cells[0, m] + 1]:
                 if listed > LISTED // 2:
