@@ -1,6 +1,7 @@
 """Which cells beams pass through: a compiled kernel that visits cells, not beams.
 
 A beam is sampled twice a cell, from the laser to its end; a cell that holds a sample is seen.
+Of two cells, a sample on the edge between them falls into the right or upper one.
 What one robot has not seen yet is kept as tiles of 8 by 8 cells, a bit a cell, and blocks of
 4 by 4 tiles, each with the number of its tiles that are not empty. A look gathers the tiles
 that are not empty, passes over those that no beam can reach, and asks of the beams left
@@ -20,7 +21,7 @@ from cogmap_gym import grid, kernel_parts, raycast_kernel
 from cogmap_gym.geometry import Array
 from cogmap_gym.grid import CELL_M, Mask
 from cogmap_gym.kernel_parts import fingerprint, part, whole
-from cogmap_gym.raycast_kernel import ANGLE_ERROR, LANES
+from cogmap_gym.raycast_kernel import ANGLE_ERROR, LANES, _angle
 
 TILE: Final = 8
 """Cells along a side of a tile: 64 bits."""
@@ -32,8 +33,8 @@ CHUNK: Final = 16
 """Beams that are asked at once. Ours: with 8 the compiler would ask one by one."""
 SAMPLE: Final = 0.5
 """From one sample of a beam to the next, in cells."""
-SAMPLES_A_METRE: Final = 1.0 / (SAMPLE * CELL_M)
-"""Of a beam."""
+SAMPLE_M: Final = SAMPLE * CELL_M
+"""The same [m]."""
 MOST_SAMPLES: Final = 1e9
 """Of a beam, so that cells can be counted in 32 bits."""
 NARROWEST: Final = 1e-12
@@ -128,7 +129,7 @@ def _lay_out(
     for b in range(np.uint64(last + 1)):
         step_x = SAMPLE * (c * fan[0, b] - s * fan[1, b])
         step_y = SAMPLE * (s * fan[0, b] + c * fan[1, b])
-        samples = min(ranges[b] * SAMPLES_A_METRE, MOST_SAMPLES)
+        samples = min(ranges[b] / SAMPLE_M, MOST_SAMPLES)
         beams[0, b], beams[1, b] = step_x, step_y
         beams[2, b] = 1.0 / step_x if abs(step_x) > NARROWEST else 1.0 / NARROWEST
         beams[3, b] = 1.0 / step_y if abs(step_y) > NARROWEST else 1.0 / NARROWEST
@@ -192,7 +193,7 @@ def _find_spans(
         by = front <= NEARBY * squared
         fx, fy = c * mx + s * my, c * my - s * mx
         behind = half_turn and fx < 0.0 and fx * fx > wide * wide + tall * tall
-        angle = _direction(fx, fy)
+        angle = _angle(fx, fy)
         begin, stop = angle - half, angle + half
         shift = math.tau if begin < -math.pi else 0.0
         begin, stop = begin + shift, stop + shift
@@ -206,18 +207,6 @@ def _find_spans(
         spans[2, k] = np.int32(np.ceil(first))
         spans[3, k] = np.int32(np.floor(-1.0 if behind else end))
         spans[4, k] = np.int32(np.floor(-1.0 if behind else over))
-
-
-@part
-def _direction(x: float, y: float) -> float:
-    """``raycast_kernel._angle`` without a branch; anything at 0."""
-    ax, ay = abs(x), abs(y)
-    z = min(ax, ay) / max(ax, ay)
-    w = z * z
-    angle = z * (0.9998660 + w * (-0.3302995 + w * (0.1801410 + w * (-0.0851330 + w * 0.0208351))))
-    angle = 0.5 * math.pi - angle if ay > ax else angle
-    angle = math.pi - angle if x < 0.0 else angle
-    return angle if y >= 0.0 else -angle
 
 
 @part

@@ -97,22 +97,14 @@ def draw(scene: Scene, size: tuple[int, int] = (480, 960)) -> Frame:
 def draw_legend(size: tuple[int, int] = (64, 960)) -> Frame:
     """What the colours and signs of ``draw`` mean, as a strip to put below frames.
 
-    Args:
-        size: height and width in pixels, each at least 64.
-
-    Returns:
-        A fresh array uint8 (height, width, 3).
-
-    Raises:
-        ValueError: the size is not two numbers of at least 64.
+    Size, result and errors are those of ``draw``.
     """
     from cogmap_gym.legend import handles
 
     height, width = _checked(size)
     figure = _blank(height, width)
-    signs = handles()
     columns = max(width // LEGEND_COLUMN_PX, 1)
-    figure.legend(handles=signs, loc="center", ncols=columns, fontsize=8, frameon=False)
+    figure.legend(handles=handles(), loc="center", ncols=columns, fontsize=8, frameon=False)
     return _pixels(figure)
 
 

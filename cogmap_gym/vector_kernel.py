@@ -85,6 +85,49 @@ def _move(
 
 
 @part
+def _set_doors(solid: Any, movable: int, seen: Any) -> None:
+    """Have the rays of a robot meet those of its doors and barriers that are there."""
+    for m in range(movable):
+        seen[m] = 0 if solid[m] else ABSENT
+
+
+@part
+def _reach_of(spec: Any, mode: int, forward: float) -> float:
+    """How far from where it stands a robot may come to touch something in this step [m]."""
+    reach = spec["radius"] + DRIFT_M
+    if mode == MOVE:
+        reach += spec["speed"] * spec["seconds"]
+        if spec["velocity"] == 0:
+            reach += spec["forward"] * (forward + 1.0) / 2.0
+    return reach  # type: ignore[no-any-return]
+
+
+@part
+def _follow(
+    r: Any, p: Any, path: Array, points: int, rooms: Tables, segments: Array, entered: Any
+) -> None:
+    """Note how long a robot's way was, and which rooms it entered; see ``Trail``."""
+    _, boxes, corners, edges = rooms
+    r["length"] += follow(
+        path, points, r["last"], boxes, corners, edges, p["rooms"], p["rooms_end"], segments,
+        p["fixed"], p["fixed"] + p["doors"], entered,
+    )  # fmt: skip
+    if entered[0] > 0:
+        r["last"] = entered[entered[0]]
+
+
+@part
+def _find_room(r: Any, p: Any, rooms: Tables, segments: Array, wanted: Any) -> None:
+    """Note in which room a robot stands, and whether a mark may be given to it there."""
+    _, boxes, corners, edges = rooms
+    r["room"] = room_at(r["x"], r["y"], boxes, corners, edges, p["rooms"], p["rooms_end"])
+    r["marked"] = 0
+    if r["room"] != NOWHERE and wanted[r["room"]]:
+        gap = door_gap(r["x"], r["y"], segments, p["fixed"], p["fixed"] + p["doors"])
+        r["marked"] = 1 if gap >= MARK_GAP_M else 0
+
+
+@part
 def _measure(r: Any, spec: Any, turn: float, distance: float, reading: Any) -> None:
     """Write what the wheels report of a motion; see ``Odometer`` and ``odometry_reading``."""
     key = key_at(r["key"], 2 * r["count"])
@@ -156,7 +199,7 @@ def _kernel(sources: int) -> Any:
         robots: Any, solid: Any, wanted: Any, tables: Tables, rooms: Tables, memory: Tables,
         goals: Tables, entered: Any, scan: Any, odometry: Any,
     ) -> int:  # fmt: skip
-        all_segments, boxes, corners, edges = rooms
+        all_segments = rooms[0]
         tiles, blocks = memory
         nodes, lengths = goals
         near, velocity, path, o, seen, stamps, looking, draws, missed, values = scratch
@@ -173,20 +216,15 @@ def _kernel(sources: int) -> Any:
             stamps[0] = stamp
             total = fixed + p["movable"]
             segments = all_segments[p["begin"] : p["begin"] + total]
-            for m in range(p["movable"]):
-                seen[fixed + m] = 0 if solid[i, m] else ABSENT
+            _set_doors(solid[i], p["movable"], seen[fixed:])
             if modes[i] == AGAIN:
                 r["count"] -= 1
-            reach = spec["radius"] + DRIFT_M
-            if modes[i] == MOVE:
-                reach += spec["speed"] * spec["seconds"]
-                if spec["velocity"] == 0:
-                    reach += spec["forward"] * (actions[i, 1] + 1.0) / 2.0
             count = 0
             if modes[i] == MOVE or (modes[i] == DECLARE and r["goal"] > 0):
                 count = gather(
-                    r["x"], r["y"], reach, segments, tables[1][p["cells"] :], tables[2], seen,
-                    stamp - 1, tables[0][r["plan"]], p["columns"], p["lines"], near,
+                    r["x"], r["y"], _reach_of(spec, modes[i], actions[i, 1]), segments,
+                    tables[1][p["cells"] :], tables[2], seen, stamp - 1, tables[0][r["plan"]],
+                    p["columns"], p["lines"], near,
                 )  # fmt: skip
             if modes[i] != AGAIN:
                 entered[i, 0], r["bump"] = 0, 0
@@ -195,22 +233,10 @@ def _kernel(sources: int) -> Any:
                 odometry[i, 0] = odometry[i, 1] = odometry[i, 2] = 0.0
             if modes[i] == MOVE:
                 o[X], o[Y], o[HEADING] = r["x"], r["y"], r["theta"]
-                _move(r, spec, actions[i, 0], actions[i, 1], near, count, velocity,
-                      path, o)  # fmt: skip
-                r["length"] += follow(
-                    path, int(o[POINTS]), r["last"], boxes, corners, edges, p["rooms"],
-                    p["rooms_end"], segments, fixed, fixed + p["doors"], entered[i],
-                )  # fmt: skip
+                _move(r, spec, actions[i, 0], actions[i, 1], near, count, velocity, path, o)
+                _follow(r, p, path, int(o[POINTS]), rooms, segments, entered[i])
                 _measure(r, spec, o[TURNED], o[DRIVEN], odometry[i])
-                if entered[i, 0] > 0:
-                    r["last"] = entered[i, entered[i, 0]]
-            r["room"] = room_at(
-                r["x"], r["y"], boxes, corners, edges, p["rooms"], p["rooms_end"]
-            )  # fmt: skip
-            r["marked"] = 0
-            if r["room"] != NOWHERE and wanted[i, r["room"]]:
-                gap = door_gap(r["x"], r["y"], segments, fixed, fixed + p["doors"])
-                r["marked"] = 1 if gap >= MARK_GAP_M else 0
+            _find_room(r, p, rooms, segments, wanted[i])
             if r["goal"] > 0 and modes[i] in (MOVE, DECLARE):
                 gap = gap_to(r["x"], r["y"], near, count)
                 _approach(r, p, spec, segments, gap, solid[i], nodes, lengths[i], values)
@@ -219,8 +245,7 @@ def _kernel(sources: int) -> Any:
                 draws, missed, scan[i], modes[i] != AGAIN,
             )  # fmt: skip
             r["count"] += 1
-            for m in range(p["movable"]):
-                seen[fixed + m] = 0
+            seen[fixed:total] = 0
         finish(shared, taken)
         return sources
 

@@ -23,8 +23,8 @@ NAIVE_STEPS, SINGLE_STEPS = 40, 400
 ROBOT_STEPS = 12_800
 """Steps of all robots of a vector environment a round, about."""
 WARM_UP = 1_000
-"""Steps of each robot before the clock starts: while much is new, a step costs a third more, so
-that robots are compared only where all have seen about as much."""
+"""Steps of each robot before the clock starts: while much is new, a step costs more, so that
+fleets can be compared only where all robots have seen about as much."""
 
 
 def vector_costs(
