@@ -139,6 +139,9 @@ class Fleet:
         Returns:
             Fresh arrays: scans (N, beams) [m] and odometry (N, 3) [m, m, rad]; those of robots
             at rest are not written.
+
+        Raises:
+            RuntimeError: a thread beside this one has failed.
         """
         if scan is None:
             scan = np.empty((self.count, self._beams), dtype=np.float32)
@@ -152,7 +155,8 @@ class Fleet:
             helper.tell(step_robots, count, scratch, *arrays)
         step_robots(count, self._scratch[0], *arrays)
         while self.threads > 1 and not all_finished(count, self.count):
-            assert all(helper.alive for helper in self._helpers), "a thread has failed"
+            if not all(helper.alive for helper in self._helpers):
+                raise RuntimeError("a thread has failed; its error stands above")
             time.sleep(PAUSE_S)
         return scan, odometry
 
