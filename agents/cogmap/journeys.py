@@ -13,6 +13,7 @@ from agents.cogmap.leads import unexplored
 from agents.cogmap.memory import MARK, Intent, Journey, Mark, Memory, place_of
 from agents.cogmap.params import Params
 from agents.cogmap.places import Route, exits_of, linked, route
+from agents.cogmap.retrace import retrace
 from agents.cogmap.search import look_round, search_place, unsearched
 from agents.cogmap.view import View
 from agents.cogmap.wandering import straight
@@ -47,6 +48,9 @@ def travel(
     memory = replace(memory, journey=replace(memory.journey, looking=False))
     known = _known_way(memory, mark)
     if known is None:
+        memory, back = retrace(memory, mark, robot, params)
+        if back is not None:
+            return replace(memory, route=None), back
         memory = _lost(memory)
     new = _new_exit(memory, mark, known, params)
     if new is not None:
@@ -62,9 +66,8 @@ def travel(
     if not known.exits:
         memory = _there(memory)
         if memory.journey is not None and memory.journey.there > params.journeys.there_steps:
-            return replace(
-                memory, intent=None, status=f"no route to mark {mark.id}"
-            ), robot.declare()
+            memory, back = retrace(memory, mark, robot, params)
+            return (memory, back) if back is not None else _no_route(memory, mark, robot)
         return _beacon(memory, mark, view, robot, params)
     return _by_exit(memory, memory.exit(known.exits[0]), mark, view, robot, params)
 
@@ -94,6 +97,11 @@ def _without_a_way(
             journey, blocked=journey.blocked - doubtful, failed=frozenset(), retried=True
         )
         return travel(replace(memory, journey=again), mark, view, robot, params)
+    return _no_route(memory, mark, robot)
+
+
+def _no_route(memory: Memory, mark: Mark, robot: RobotSpec) -> tuple[Memory, Action]:
+    """Say that the mark cannot be reached, and declare."""
     return replace(memory, intent=None, status=f"no route to mark {mark.id}"), robot.declare()
 
 

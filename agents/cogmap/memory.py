@@ -27,6 +27,8 @@ FIRST_PLACE = 1
 LOOK, SPOT, EXIT, CHECK, GAP, MARK = "look", "spot", "exit", "check", "gap", "mark"
 """Kinds of intent: look round, go to a spot to look round, cross an exit, go before one seen once
 to see it again, reach a gap or a mark."""
+TRAIL = "trail"
+"""And this one: go back along the path."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,6 +125,10 @@ class Journey:
     """The last of them."""
     there: int = 0
     """Steps spent in the goal's place."""
+    retraced: int = 0
+    """Steps spent on going back along the path."""
+    cut: tuple[tuple[float, float], ...] = ()
+    """Spots (x, y) in the MFIS on the path that could not be reached."""
     looking: bool = True
     """Whether the robot still looks round, before it sets out, for what has changed."""
 

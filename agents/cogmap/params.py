@@ -441,6 +441,10 @@ class Journeys:
     """Steps in its place after which a mark is out of reach [1]. Ours: three patiences."""
     patience: int = 25
     """Steps after which an exit on the way is given up [1]. Ours: three times the usual."""
+    trail_jump: float = 0.5
+    """Poses of the path this much farther apart than a move are not joined [m]. Ours: carried."""
+    trail_cut: float = 0.5
+    """What was found shut cuts the path so far around it [m]. Ours: two cells, a body."""
     near_exit: float = 3.0
     """Whether an exit is shut is judged from within this [m]. Ours: its line is exact to 0.1 m."""
     doorway_depth: float = 0.35
