@@ -97,7 +97,12 @@ def test_an_exit_not_seen_to_be_shut_is_tried_once_more_and_no_more() -> None:
     assert not declared
     assert memory.journey is not None
     assert memory.journey.retried
+    assert memory.status == "looking round", "afresh"
+    while memory.status == "looking round":
+        memory, declared = stepped(memory)
+    assert not declared
     assert memory.route == (1,)
+    assert memory.journey is not None
     again = replace(memory.journey, blocked=frozenset({1}), failed=frozenset({1}))
     assert stepped(replace(memory, journey=again))[1]
 

@@ -10,7 +10,7 @@ from agents.cogmap.driving import Action, doorway_is_clear, drive_through, drive
 from agents.cogmap.exits import NOWHERE, Exit
 from agents.cogmap.exploration import explore
 from agents.cogmap.leads import unexplored
-from agents.cogmap.memory import MARK, Intent, Journey, Mark, Memory, place_of
+from agents.cogmap.memory import MARK, NO_POINTS, Intent, Journey, Mark, Memory, place_of
 from agents.cogmap.params import Params
 from agents.cogmap.places import Route, exits_of, linked, route
 from agents.cogmap.retrace import retrace
@@ -91,13 +91,29 @@ def _without_a_way(
         return _by_exit(memory, onward, mark, view, robot, params)
     if journey.lost <= params.journeys.lost_steps and unexplored(memory, params):
         return explore(memory, view, robot, params)
-    doubtful = _doubtful_blocks(memory)
-    if doubtful and not journey.retried:
-        again = replace(
-            journey, blocked=journey.blocked - doubtful, failed=frozenset(), retried=True
-        )
-        return travel(replace(memory, journey=again), mark, view, robot, params)
+    if not journey.retried and (_doubtful_blocks(memory) or journey.cut):
+        return travel(_afresh(memory), mark, view, robot, params)
     return _no_route(memory, mark, robot)
+
+
+def _afresh(memory: Memory) -> Memory:
+    """The memory with one more chance for what could not be reached, and with eyes open for it.
+
+    What stands in the way is forgotten and looked at again from one spot: seen from many, it
+    smears over doorways not much wider than the robot.
+    """
+    journey = memory.journey
+    assert journey is not None, "a journey has begun"
+    again = replace(
+        journey,
+        blocked=journey.blocked - _doubtful_blocks(memory),
+        failed=frozenset(),
+        cut=(),
+        retried=True,
+        looking=True,
+    )
+    memory = memory.with_stay(looked=False, turned=0.0)
+    return replace(memory, obstacles=NO_POINTS, journey=again, intent=None)
 
 
 def _no_route(memory: Memory, mark: Mark, robot: RobotSpec) -> tuple[Memory, Action]:

@@ -73,10 +73,9 @@ def trail(memory: Memory, robot: RobotSpec, params: Params) -> Cells:
     share = np.arange(0.0, 1.0, params.curiosity.cell / (3.0 * robot.max_forward))
     points = (path[:-1][joined, None] + share[:, None] * step[joined, None]).reshape(-1, 2)
     cells = np.unique(cells_of(points, params.curiosity))
-    lines = [memory.exit(e).line for e in sorted(journey.blocked)]
+    lines = [memory.exit(e).line for e in sorted(journey.blocked - journey.failed)]
     lines += [np.array((spot, spot)) for spot in journey.cut]
     if not lines:
         return cells
     gaps = point_segment_distances(middles_of(cells, params.curiosity), np.stack(lines)).min(axis=1)
     return np.asarray(cells[gaps > params.journeys.trail_cut])
-
