@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -23,7 +24,7 @@ CORNER = np.array(((10.0, 8.0), (10.0, 4.0), (10.0, 0.0), (5.0, 0.0), (0.0, 0.0)
 
 def walked(corners: Points, carried: bool = False) -> Memory:
     """At the end of a path (K, 2), in a place from which the network knows no way."""
-    legs = [np.linspace(a, b, 9)[:-1] for a, b in zip(corners[:-1], corners[1:], strict=True)]
+    legs = [np.linspace(a, b, 9)[:-1] for a, b in pairwise(corners)]
     points = np.concatenate((*legs, corners[-1:]))
     if carried:
         points = np.delete(points, slice(8, 24), axis=0)
