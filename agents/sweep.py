@@ -86,6 +86,23 @@ def check_trials(trials: Iterable[Trial]) -> None:
         dynamics_level(trial.dynamics, trial.task)
 
 
+def possible(trials: Iterable[Trial]) -> tuple[list[Trial], list[str]]:
+    """The trials whose task can be set on their map, and why the others cannot, once a reason.
+
+    Raises:
+        ValueError: a plan that cannot be read.
+    """
+    trials = list(trials)
+    plans = {name: FloorPlan.load(name) for name in dict.fromkeys(t.map for t in trials)}
+    reasons: dict[tuple[str, str], str] = {}
+    for task, name in dict.fromkeys((t.task, t.map) for t in trials):
+        try:
+            course_of(task, None).check(plans[name])
+        except ValueError as error:
+            reasons[task, name] = str(error)
+    return [t for t in trials if (t.task, t.map) not in reasons], list(reasons.values())
+
+
 def run_trial(trial: Trial) -> Row:
     """Run one trial; one that breaks down is a row with its traceback, and all of it missed."""
     params, watches_memory, watch = "", forget_peak(), None

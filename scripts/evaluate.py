@@ -23,7 +23,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemaining
 
 from agents.provenance import check_rows
 from agents.registry import AGENTS, is_available
-from agents.sweep import COLUMNS, KEY, TASKS, Trial, check_trials, trials_of
+from agents.sweep import COLUMNS, KEY, TASKS, Trial, check_trials, possible, trials_of
 from agents.trial_row import Row
 from agents.workers import run_here, run_on_ray
 from cogmap_gym.dynamics import LEVELS
@@ -42,13 +42,23 @@ QUICK = (
 
 
 def wanted(
-    agents: list[str], tasks: str, maps: str, odometry: str, seeds: int, dynamics: str
+    agents: list[str],
+    tasks: str,
+    maps: str,
+    odometry: str,
+    seeds: int,
+    dynamics: str,
+    *,
+    where_possible: bool,
 ) -> list[Trial]:
     """The trials asked for; what cannot be run is told at once."""
     if missing := [name for name in agents if not is_available(name)]:
         raise ValueError(f"agents: not installed: {missing}")
     asked = (words.split(",") for words in (tasks, maps, odometry))
     trials = trials_of(agents, *asked, range(seeds), dynamics.split(","))
+    if where_possible:
+        trials, reasons = possible(trials)
+        print("".join(f"left out: {reason}\n" for reason in reasons), end="")
     check_trials(trials)
     return trials
 
@@ -108,6 +118,9 @@ def main(
     baseline: Annotated[str | None, typer.Option(help="by default the first robot")] = None,
     resume: Annotated[bool, typer.Option(help="do only what is missing")] = False,
     mix: Annotated[bool, typer.Option(help="with rows of other code or parameters")] = False,
+    where_possible: Annotated[
+        bool, typer.Option(help="leave a task out on maps that it cannot be set on")
+    ] = False,
     quick: Annotated[bool, typer.Option(help="a small table in a few minutes")] = False,
     workers: Annotated[int, typer.Option(min=1, help="processes on this machine")] = 2,
     ray: Annotated[str | None, typer.Option(help="address of a Ray cluster, or local")] = None,
@@ -119,7 +132,9 @@ def main(
     try:
         if baseline not in (None, *robots):
             raise ValueError(f"baseline: expected one of {robots}, got {baseline!r}")
-        trials = wanted(robots, tasks, maps, odometry, seeds, dynamics)
+        trials = wanted(
+            robots, tasks, maps, odometry, seeds, dynamics, where_possible=where_possible
+        )
         results = opened(out, robots, resume=resume, mix=mix)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from error

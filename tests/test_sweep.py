@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from agents.cogmap import CogMapAgent
-from agents.sweep import COLUMNS, Trial, broken_row, check_trials, run_trial, trials_of
+from agents.sweep import COLUMNS, Trial, broken_row, check_trials, possible, run_trial, trials_of
 from agents.trial_row import TIMES
 from agents.workers import run_here
 from cogmap_gym.observation import Observation
@@ -90,6 +90,20 @@ def test_what_cannot_be_run_is_refused_at_once(changed: dict[str, str], message:
     check_trials([TRIAL])
     with pytest.raises(ValueError, match=message):
         check_trials([TRIAL, replace(TRIAL, **changed)])
+
+
+def test_a_task_is_left_out_where_it_cannot_be_set_and_the_reason_is_told() -> None:
+    tasks, maps = ["home", "shortcut"], ["two_rooms", "thesis_office"]
+    trials = trials_of(["random_walk"], tasks, maps, ["medium"], range(2))
+    kept, reasons = possible(trials)
+    assert {(t.task, t.map) for t in kept} == {
+        ("home", "two_rooms"),
+        ("home", "thesis_office"),
+        ("shortcut", "thesis_office"),
+    }
+    assert len(kept) == 6
+    assert len(reasons) == 1
+    assert "chords" in reasons[0]
 
 
 def test_workers_give_the_rows_that_one_gives() -> None:
