@@ -119,7 +119,7 @@ def faults(env: CogMapEnv, outcome: tuple[Any, ...], deepest: dict[str, float]) 
     return found
 
 
-@functools.cache
+@functools.lru_cache(maxsize=4)  # a copy brings a plan of its own: all kept would look like a leak
 def _building(plan: FloorPlan) -> shapely.Geometry:
     """The free space, and what a box may be inside a wall."""
     free = plan.free_space().buffer(DEEPEST_M)
