@@ -96,10 +96,9 @@ def report(results: ResultFile, baseline: str, out: Path) -> None:
     drawn |= {f"Paths, {task}": paths_figure(rows, task) for task in TASKS}
     pictures = {title: figure for title, figure in drawn.items() if figure is not None}
     for title, figure in pictures.items():
+        stem = title.lower().replace(",", "").replace(" ", "_")
         for ending in ("png", "pdf"):
-            figure.savefig(
-                out / f"{title.lower().replace(',', '').replace(' ', '_')}.{ending}", dpi=180
-            )
+            figure.savefig(out / f"{stem}.{ending}", dpi=180)
     page = report_page(rows, cells(rows, rng), duels(rows, baseline, rng), baseline, pictures)
     write_whole(out / "report.html", page.encode())
     print(results.path, out / "report.html", sep="\n")
