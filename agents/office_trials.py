@@ -16,11 +16,9 @@ from numpy.typing import NDArray
 import cogmap_gym  # noqa: F401 - registers the environments
 from agents.cogmap.agent import CogMapAgent
 from agents.rollout import Episode, run_episode
-from cogmap_gym import figures
 from cogmap_gym.actions import DECLARED
-from cogmap_gym.experiment_figures import overview_figure
+from cogmap_gym.failure_figure import failure_figure
 from cogmap_gym.floor_plan import FloorPlan
-from cogmap_gym.geometry import Pose
 from cogmap_gym.observation import LaserSpec, Observation
 from cogmap_gym.office_record import Moment, OfficeRecord, Outcome
 from cogmap_gym.office_scores import office_score
@@ -157,7 +155,7 @@ def run_trial(trial: Trial, failures: Path | None = None, pictures: int = 0) -> 
         failures.mkdir(parents=True, exist_ok=True)
         if len(list(failures.glob("*.png"))) < pictures:
             title = f"{trial.name}: {row['why']}"
-            figure = failure_figure(record, agent, world.task.marks, title)
+            figure = _figure(record, agent, world.task.marks, title)
             save_png(figure, failures / f"{trial.name}.png")
     return row
 
@@ -187,27 +185,11 @@ def _outcomes(episode: Episode, rooms: Any, moments: list[Moment]) -> list[Outco
     return found
 
 
-def failure_figure(record: OfficeRecord, agent: CogMapAgent, marks: Any, title: str) -> Figure:
-    """The truth beside the belief, with the true marks and the way to the first goal missed."""
-    start = Pose(*(float(v) for v in record.poses[0]))
-    figure = overview_figure(
-        record.plan, record.poses[:, :2], agent.sketch(), agent.memory.path[:, :2], start,
-        "\n".join(title.split("; ")),
-    )  # fmt: skip
-    ax = figure.axes[0]
-    for mark, pose in marks.items():
-        if mark != HOME:
-            ax.plot(pose.x, pose.y, "*", color=figures.PURPLE, ms=14, zorder=8)
-            ax.annotate(
-                f"mark {mark}", (pose.x, pose.y), (0, 9), textcoords="offset points", zorder=9,
-                ha="center", fontsize=9, bbox={"fc": "white", "ec": "none", "alpha": 0.7, "pad": 1},
-            )  # fmt: skip
+def _figure(record: OfficeRecord, agent: CogMapAgent, marks: Any, title: str) -> Figure:
+    """The truth beside the belief."""
     missed = next((o for o in record.outcomes if not o.success and o.distance >= 0.0), None)
-    if missed is not None:
-        rows = [k for k, m in enumerate(record.moments) if m.phase == missed.phase]
-        label = f"on the way to mark {missed.mark}"
-        ax.plot(*record.poses[rows, :2].T, color=figures.VERMILLION, lw=2, zorder=6, label=label)
-    end = record.poses[-1, :2]
-    ax.plot(*end, "X", color=figures.BLACK, ms=10, zorder=8, label="end")
-    ax.legend(loc="upper left", fontsize="small")
-    return figure
+    mark, phase = (0, -1) if missed is None else (missed.mark, missed.phase)
+    way = record.poses[[k for k, m in enumerate(record.moments) if m.phase == phase], :2]
+    return failure_figure(
+        record.plan, record.poses, agent.sketch(), agent.memory.path[:, :2], marks, title, mark, way
+    )

@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from cogmap_gym.statistics import Interval
+from cogmap_gym.sweep_overview import NOTE, overviews
 from cogmap_gym.sweep_table import EXPLORE, Cell, Duel, Row, grouped, quartiles
 
 PAGE = """<!doctype html>
@@ -88,7 +89,7 @@ def report_page(
         baseline: its name.
         pictures: figures by title.
     """
-    body = []
+    body = [_glance(rows, found)]
     for task in dict.fromkeys(c.task for c in found):
         body.append(_leaderboard(task, [c for c in found if c.task == task]))
         body.append(_measures(task, [row for row in rows if row["task"] == task]))
@@ -103,6 +104,16 @@ def report_page(
     maps = ", ".join(sorted({row["map"] for row in rows}))
     head = html.escape(f"{len(rows)} trials on {maps}.")
     return PAGE.format(head=head, body="\n".join(body))
+
+
+def _glance(rows: Sequence[Row], found: Sequence[Cell]) -> str:
+    """A small table for each level of odometry."""
+    parts = ["<h2>At a glance</h2>\n"]
+    for told in overviews(rows, found):
+        life = "" if told.dynamics == "off" else f", dynamics {told.dynamics}"
+        title = html.escape(f"{told.odometry} odometry{life}")
+        parts.append(f"<h3>{title}</h3>\n{table(told.head, told.lines)}")
+    return "".join(parts) + f"<p>{NOTE}</p>"
 
 
 def _leaderboard(task: str, found: Sequence[Cell]) -> str:

@@ -3,7 +3,8 @@
 Usage: python scripts/evaluate.py --agents cogmap,frontier_slam --tasks explore,home
            --maps thesis_office,office:0,office:1 --odometry medium --seeds 5 --out DIR [--resume]
 
-Writes DIR/results.csv, a row a trial, and DIR/report.html with its figures as PNG and PDF. Rows
+Writes DIR/results.csv, a row a trial, DIR/report.html with its figures as PNG and PDF, and
+DIR/leaderboard.md. Rows
 are written as they come: after Ctrl-C, or a kill, --resume does only what is missing; it refuses to
 put rows of other code or parameters into the same table, unless --mix is given. --baseline names
 the robot that the others are compared with on the same trials. --quick is a small table in a few
@@ -17,7 +18,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 
@@ -28,11 +28,7 @@ from agents.trial_row import Row
 from agents.workers import run_here, run_on_ray
 from cogmap_gym.dynamics import LEVELS
 from cogmap_gym.result_file import ResultFile
-from cogmap_gym.saving import write_whole
-from cogmap_gym.sweep_figures import FACTORS, curves_figure, met_figure
-from cogmap_gym.sweep_paths import paths_figure
-from cogmap_gym.sweep_report import report_page
-from cogmap_gym.sweep_table import cells, duels
+from cogmap_gym.sweep_files import write_sweep
 
 QUICK = (
     "random_walk,wall_follower,frontier_odometry,cogmap", "explore,home", "two_rooms,office:0",
@@ -88,22 +84,6 @@ def write_rows(rows: Iterable[Row], count: int, results: ResultFile) -> bool:
     return True
 
 
-def report(results: ResultFile, baseline: str, out: Path) -> None:
-    """Write the page and its figures."""
-    rows, rng = results.rows(), np.random.default_rng(0)
-    drawn = {"Coverage": curves_figure(rows)}
-    drawn |= {factor.title: met_figure(rows, factor, rng) for factor in FACTORS}
-    drawn |= {f"Paths, {task}": paths_figure(rows, task) for task in TASKS}
-    pictures = {title: figure for title, figure in drawn.items() if figure is not None}
-    for title, figure in pictures.items():
-        stem = title.lower().replace(",", "").replace(" ", "_")
-        for ending in ("png", "pdf"):
-            figure.savefig(out / f"{stem}.{ending}", dpi=180)
-    page = report_page(rows, cells(rows, rng), duels(rows, baseline, rng), baseline, pictures)
-    write_whole(out / "report.html", page.encode())
-    print(results.path, out / "report.html", sep="\n")
-
-
 def main(
     out: Annotated[Path, typer.Option(file_okay=False, help="folder for results and report")],
     agents: Annotated[
@@ -141,7 +121,7 @@ def main(
     todo = [trial for trial in trials if trial.key not in done]
     rows = run_on_ray(todo, ray, workers) if ray else run_here(todo, workers)
     complete = write_rows(rows, len(todo), results)
-    report(results, baseline or robots[0], out)
+    print(results.path, write_sweep(results.rows(), TASKS, baseline or robots[0], out), sep="\n")
     if not complete:
         raise typer.Exit(130)
 

@@ -20,14 +20,12 @@ import typer
 from rich.progress import Progress
 
 import cogmap_gym
-from agents.cogmap.agent import CogMapAgent
+from agents.registry import AGENTS, make_agent, wrap
 from agents.rollout import run_episode
 from cogmap_gym.experiment_figures import overview_figure
 from cogmap_gym.saving import save_png
 from cogmap_gym.wrappers import MoveControl
 
-AGENTS = {"cogmap": CogMapAgent}
-"""Robot programs by name."""
 FRAME_MS = 100
 """How long a film shows each move [ms]."""
 
@@ -96,7 +94,9 @@ def show_outcome(env: Any, *, interrupted: bool) -> None:
 def main(
     env: Annotated[str, typer.Option(help="id of the environment")] = "CogMap/GoHome-v0",
     map_: Annotated[str, typer.Option("--map", help="plan, by name or path")] = "thesis_office",
-    agent: Annotated[str, typer.Option(help=f"one of {', '.join(AGENTS)}")] = "cogmap",
+    agent: Annotated[
+        str, typer.Option(help=f"module:Class, or one of {', '.join(AGENTS)}")
+    ] = "cogmap",
     odometry: Annotated[str, typer.Option(help="perfect, low, medium, high or severe")] = "medium",
     control: Annotated[
         str, typer.Option(help="move, or velocity: moves by steps of 0.1 s")
@@ -109,23 +109,21 @@ def main(
     video: Annotated[Path | None, typer.Option(dir_okay=False, help="film to write")] = None,
 ) -> None:
     """Run one episode of an agent; Ctrl-C leaves what was done so far."""
-    if agent not in AGENTS or env not in cogmap_gym.ENV_IDS:
-        raise typer.BadParameter(
-            f"expected an agent of {sorted(AGENTS)} and an env of {list(cogmap_gym.ENV_IDS)}, "
-            f"got {agent!r} and {env!r}"
-        )
+    if env not in cogmap_gym.ENV_IDS:
+        raise typer.BadParameter(f"expected an env of {list(cogmap_gym.ENV_IDS)}, got {env!r}")
     try:
+        robot = make_agent(agent, seed)
         mode = "rgb_array" if video is not None else "human" if show else None
         made = gym.make(env, map=map_, control=control, odometry=odometry, render_mode=mode)
         made = made if control == "move" else MoveControl(made)
         watch = Watch(made, None if video is None else Film(video))
-    except (ValueError, OSError) as error:
+    except (ValueError, OSError, ModuleNotFoundError) as error:
         raise typer.BadParameter(str(error)) from error
-    robot, world = AGENTS[agent](), made.unwrapped
+    world = made.unwrapped
     signal.signal(signal.SIGINT, watch.interrupt)
     with watch.progress:
         try:
-            run_episode(made, robot, seed, watch.on_step)
+            run_episode(wrap(agent, made), robot, seed, watch.on_step)
         except KeyboardInterrupt:
             watch.progress.print("interrupted: what was done so far is kept")
     out.mkdir(parents=True, exist_ok=True)

@@ -21,12 +21,12 @@ ROBOT_MAY_IMPORT = {"cogmap_gym.geometry", "cogmap_gym.observation"}
 NOT_SCRIPTED = {
     *("rollout", "report", "step_cost", "office_trials", "trials", "ablation", "registry"),
     "plan_trials",
-    *("rival_trials", "sweep", "trial_row", "workers", "watch", "provenance", "ppo"),
+    *("rival_trials", "sweep", "trial_row", "workers", "watch", "provenance", "ppo", "failures"),
 }
 """What under agents/ may know the world: the runners of episodes, trials, sweeps, their rows, who
-works at them and watches, where rows come from, the report of an experiment, the clock of the
-thesis robot's steps, the list of all robots, what the frontier robot is measured with, and learned
-robots' training."""
+works at them and watches, where rows come from, what looks closer at failures, the report of an
+experiment, the clock of the thesis robot's steps, the list of all robots, what the frontier robot
+is measured with, and learned robots' training."""
 ROBOT_MAY_SHARE = {"agents.base"}
 PURE = {
     "geometry": {"numpy", "shapely"},

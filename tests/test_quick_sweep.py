@@ -21,7 +21,9 @@ FIGURES = {
     "Paths, explore",
     "Paths, home",
 }
-TABLES = {"explore", "home", "Against random_walk", "Code and parameters"}
+TABLES = {"At a glance", "explore", "home", "Against random_walk", "Code and parameters"}
+LEVELS = 2 * 2
+"""Small tables at a glance: levels of odometry times what moves in the office."""
 
 
 @pytest.mark.slow
@@ -34,8 +36,9 @@ def test_the_quick_sweep_makes_a_page_with_all_its_parts(tmp_path: Path) -> None
     assert not [row["error"] for row in rows if row["error"]]
     page = (tmp_path / "report.html").read_text()
     assert set(re.findall(r"<h2>(.*?)</h2>", page)) == FIGURES | TABLES
-    assert set(re.findall(r"<h3>(.*?):", page)) == {"explore", "home"}
-    assert page.count("<table>") == len(TABLES) + 2
+    assert set(re.findall(r"<h3>(.*?): ways", page)) == {"explore", "home"}
+    assert page.count("<table>") == len(TABLES) - 1 + 2 + LEVELS
+    assert (tmp_path / "leaderboard.md").read_text().count("\n## ") == LEVELS
     assert page.count("data:image/png;base64,") == len(FIGURES)
     assert "http" not in page
     for title in FIGURES:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from cogmap_gym.sweep_figures import FACTORS, curves_figure, looks, met_figure
+from cogmap_gym.sweep_overview import markdown, overviews
 from cogmap_gym.sweep_paths import paths_figure
 from cogmap_gym.sweep_report import report_page
 from cogmap_gym.sweep_table import Row, cells, duels
@@ -107,3 +108,19 @@ def test_success_is_drawn_at_its_level_with_a_line_a_robot() -> None:
 def test_no_two_of_many_robots_look_alike() -> None:
     drawn = looks([row(f"robot {k}", "explore", "low", 0) for k in range(20)])
     assert len(set(drawn.values())) == 20
+
+
+def test_at_a_glance_a_robot_is_a_line_the_best_first() -> None:
+    rows = [*GOALS, *SEEN]
+    low, high = overviews(rows, cells(rows, rng()))
+    assert (low.odometry, high.odometry) == ("low", "high")
+    assert low.head == (
+        "robot", "explore: saw 95 %", "coverage AUC", "goto", "CPU a step [ms]", "map [kB]"
+    )  # fmt: skip
+    assert [line[0] for line in low.lines] == ["a", "b"]
+    assert low.lines[0][3] == "88 % (75-100)"
+    assert low.lines[0][4] == "2.0"
+    assert low.lines[1][1:3] == ("-", "-"), "b never explored"
+    told = markdown(low).splitlines()
+    assert told[0] == "## low odometry"
+    assert told[3].count("---") == len(low.head) == told[4].count("|") - 1
