@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from cogmap_gym.statistics import Interval
-from cogmap_gym.sweep_table import EXPLORE, LEVELS, Cell, Row, grouped, quartiles
+from cogmap_gym.sweep_table import EXPLORE, Cell, Row, grouped, quartiles, rank
 
 COSTS = (("cpu_ms", "CPU a step [ms]", ".1f", 1.0), ("map_bytes", "map [kB]", ".0f", 1e-3))
 """Columns of medians: of the file, head, form, factor from the file's unit."""
@@ -33,10 +33,8 @@ def overviews(rows: Sequence[Row], found: Sequence[Cell]) -> list[Overview]:
         rows: all trials.
         found: its leaderboard.
     """
-    settings = sorted(
-        grouped(rows, ("odometry", "dynamics")).items(),
-        key=lambda item: (LEVELS.index(item[0][0]), item[0][1]),
-    )
+    groups = grouped(rows, ("odometry", "dynamics"))
+    settings = sorted(groups.items(), key=lambda group: rank(*group[0]))
     return [_overview(level, life, some, found) for (level, life), some in settings]
 
 

@@ -15,14 +15,15 @@ from matplotlib.figure import Figure
 
 from cogmap_gym.statistics import Interval
 from cogmap_gym.sweep_overview import NOTE, overviews
-from cogmap_gym.sweep_table import EXPLORE, Cell, Duel, Row, grouped, quartiles
+from cogmap_gym.sweep_table import EXPLORE, Cell, Duel, Row, grouped, quartiles, rank
 
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>cogmap_gym: sweep</title><style>
 body {{ font: 15px/1.5 sans-serif; max-width: 75em; margin: 2em auto; padding: 0 1em; }}
 table {{ border-collapse: collapse; margin: 1em 0; }}
 th, td {{ padding: 0.25em 0.8em; text-align: right; border-bottom: 1px solid #ddd; }}
-th:first-child, td:first-child {{ text-align: left; }}
+th:first-child, td:first-child {{ text-align: left; position: sticky; left: 0; background: #fff; }}
+td {{ white-space: nowrap; }}
 img {{ max-width: 100%; }}
 div {{ overflow-x: auto; font-size: 85%; }}
 </style></head><body>
@@ -137,7 +138,7 @@ def _measures(task: str, rows: Sequence[Row]) -> str:
     head = ("robot", "odometry", "dynamics", *(told[0] for told in shown.values()))
     values = [
         (*key, *(_quartiles(quartiles(some, name), *told[1:]) for name, told in shown.items()))
-        for key, some in sorted(groups.items())
+        for key, some in sorted(groups.items(), key=lambda item: (item[0][0], *rank(*item[0][1:])))
     ]
     title = html.escape(f"{task}: ways, beliefs and costs")
     return f"<h3>{title}</h3>\n<div>{table(head, values)}</div><p>{QUARTILES}</p>"
@@ -200,7 +201,7 @@ def _interval(value: Interval, form: str = ".2f", unit: str = "") -> str:
 
 def _quartiles(value: Interval, form: str, factor: float) -> str:
     middle, low, high = (_number(factor * x, form) for x in value)
-    return middle if np.isnan(value[0]) else f"{middle} ({low} to {high})"
+    return middle if np.isnan(value[0]) else f"{middle} ({low}\u2013{high})"
 
 
 def _number(value: float, form: str) -> str:

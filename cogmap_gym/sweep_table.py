@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cogmap_gym.dynamics import LEVELS as DYNAMICS
 from cogmap_gym.metrics import wilson
 from cogmap_gym.statistics import (
     Interval,
@@ -183,8 +184,13 @@ def _counts(row: Row) -> tuple[int, int]:
     return int(row["goals_met"] or 0), int(row["goals"] or 1)
 
 
-def _order(found: Cell | Duel) -> tuple[str, int, str]:
-    return found.task, LEVELS.index(found.odometry), found.dynamics
+def rank(odometry: str, dynamics: str) -> tuple[int, int]:
+    """The place of a setting in a list: the best odometry first, a still office before a living."""
+    return LEVELS.index(odometry), list(DYNAMICS).index(dynamics)
+
+
+def _order(found: Cell | Duel) -> tuple[str, int, int]:
+    return found.task, *rank(found.odometry, found.dynamics)
 
 
 def _seed(row: Row) -> int:
