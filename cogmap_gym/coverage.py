@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from scipy import ndimage
 
-from cogmap_gym.coverage_kernel import blocks_of, look_once, scratch_of, tiles_of
+from cogmap_gym.coverage_kernel import look_once, scratch_of
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Pose, Segments
 from cogmap_gym.grid import CELL_M, Grid, Mask
 from cogmap_gym.observation import LaserSpec
+from cogmap_gym.tile_kernel import blocks_of, tiles_of
 from cogmap_gym.world import World
 
 WALL_M = 0.06

@@ -2,11 +2,10 @@
 
 A beam is sampled twice a cell, from the laser to its end; a cell that holds a sample is seen.
 Of two cells, a sample on the edge between them falls into the right or upper one.
-What one robot has not seen yet is kept as tiles of 8 by 8 cells, a bit a cell, and blocks of
-4 by 4 tiles, each with the number of its tiles that are not empty. A look gathers the tiles
-that are not empty, passes over those that no beam can reach, and asks of the beams left
-whether a sample of theirs falls into a cell. Loops over beams and over tiles are laid out so
-that the compiler does several at once.
+What one robot has not seen yet is kept as tiles (``tile_kernel``), and blocks of tiles, each with
+the number of its tiles that are not empty. A look gathers the tiles that are not empty, passes
+over those that no beam can reach, and asks of the beams left whether a sample of theirs falls
+into a cell. Loops over beams are laid out so that the compiler does several at once.
 """
 
 from __future__ import annotations
@@ -17,16 +16,25 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from cogmap_gym import grid, kernel_parts, raycast_kernel
+from cogmap_gym import grid, kernel_parts, raycast_kernel, tile_kernel
 from cogmap_gym.geometry import Array
-from cogmap_gym.grid import CELL_M, Mask
+from cogmap_gym.grid import CELL_M
 from cogmap_gym.kernel_parts import fingerprint, part, whole
-from cogmap_gym.raycast_kernel import ANGLE_ERROR, LANES, _angle
+from cogmap_gym.tile_kernel import (
+    BLOCK,
+    HIGHEST,
+    LOWEST,
+    NONE,
+    ONE,
+    ROW_BITS,
+    TILE,
+    Spans,
+    Tiles,
+    count_bits,
+    find_boxes,
+    find_spans,
+)
 
-TILE: Final = 8
-"""Cells along a side of a tile: 64 bits."""
-BLOCK: Final = 4
-"""Tiles along a side of a block. Ours."""
 SPAN: Final = 4
 """Beams whose longest range is kept together. Ours."""
 CHUNK: Final = 16
@@ -39,36 +47,9 @@ MOST_SAMPLES: Final = 1e9
 """Of a beam, so that cells can be counted in 32 bits."""
 NARROWEST: Final = 1e-12
 """A beam's direction cosines are at least this, so that none divides by nothing."""
-NEARBY: Final = 0.25
-"""Of a box as near as this any beam may enter it: its front over its middle. Ours."""
-HALF_TURN: Final = math.pi + 1e-9
-"""A fan no wider than this sees nothing behind the laser [rad]."""
 MOST: Final = 256
 """Tiles that are sorted out at once. Ours."""
-_ONE, _NONE, _ROW_BITS = np.uint64(1), np.uint64(0), np.uint64(255)
-_FIRST_COLUMN, _GATHER = np.uint64(0x0101010101010101), np.uint64(0x0102040810204080)
-_LOWEST = np.array([0, *((k & -k).bit_length() - 1 for k in range(1, 256))])
-_HIGHEST = np.array([0, *(k.bit_length() - 1 for k in range(1, 256))])
-Tiles = NDArray[np.uint64]
-Spans = NDArray[np.int32]
 Scratch = tuple[Array, Array, Tiles, Array, Spans]
-
-
-def tiles_of(cells: Mask) -> Tiles:
-    """Cells (rows, columns) as tiles (R, C), R and C multiples of ``BLOCK``; bit 8 r + c."""
-    side = TILE * BLOCK
-    rows, columns = (-(-n // side) * side for n in cells.shape)
-    padded = np.zeros((rows, columns), dtype=np.uint64)
-    padded[: cells.shape[0], : cells.shape[1]] = cells
-    parts = padded.reshape(rows // TILE, TILE, columns // TILE, TILE)
-    bits = _ONE << np.arange(TILE * TILE, dtype=np.uint64).reshape(TILE, TILE)
-    return np.asarray((parts * bits[None, :, None, :]).sum(axis=(1, 3), dtype=np.uint64))
-
-
-def blocks_of(tiles: Tiles) -> NDArray[np.uint8]:
-    """How many tiles of each block are not empty, (R / 4, C / 4)."""
-    parts = (tiles != 0).reshape(tiles.shape[0] // BLOCK, BLOCK, -1, BLOCK)
-    return np.asarray(parts.sum(axis=(1, 3), dtype=np.uint8))
 
 
 @part
@@ -109,7 +90,7 @@ def look(
                 count = 0
             for row in range(BLOCK * j, BLOCK * (j + 1)):
                 for column in range(BLOCK * i, BLOCK * (i + 1)):
-                    if unseen[row, column] != _NONE:
+                    if unseen[row, column] != NONE:
                         near[0, count], near[1, count] = column * TILE - x, row * TILE - y
                         spans[0, count], spans[1, count] = row, column
                         bits[count] = unseen[row, column]
@@ -160,74 +141,24 @@ def _find_longest(last: int, beams: Array, longest: Array) -> None:
 
 
 @part
-def _find_boxes(count: int, bits: Tiles, near: Array) -> None:
-    """Write the box about the cells of each tile near by, from the laser."""
-    for k in range(np.uint64((count + LANES - 1) // LANES * LANES)):
-        columns = bits[k] | (bits[k] >> np.uint64(32))
-        columns |= columns >> np.uint64(16)
-        columns = (columns | (columns >> np.uint64(8))) & _ROW_BITS
-        rows = bits[k] | (bits[k] >> np.uint64(4))
-        rows |= rows >> np.uint64(2)
-        rows = ((rows | (rows >> _ONE)) & _FIRST_COLUMN) * _GATHER >> np.uint64(56)
-        x, y = near[0, k], near[1, k]
-        near[2, k], near[3, k] = x + _LOWEST[columns], x + _HIGHEST[columns] + 1.0
-        near[4, k], near[5, k] = y + _LOWEST[rows], y + _HIGHEST[rows] + 1.0
-
-
-@part
-def _find_spans(
-    count: int, c: float, s: float, last: int, step: float, near: Array, spans: Spans
-) -> None:
-    """Write which beams may enter each box: first..end and 0..over; how near it is, squared."""
-    per_step, middle, all_beams = 1.0 / step, 0.5 * last, 1.0 * last
-    half_turn = last * step < HALF_TURN
-    for k in range(np.uint64((count + LANES - 1) // LANES * LANES)):
-        left, right, low, high = near[2, k], near[3, k], near[4, k], near[5, k]
-        mx, my = 0.5 * (left + right), 0.5 * (low + high)
-        wide, tall = 0.5 * (right - left), 0.5 * (high - low)
-        squared, ax, ay = mx * mx + my * my, abs(mx), abs(my)
-        # Tangents of the angles from the middle to the corners, and an angle is no larger.
-        flank = (ax * tall + ay * wide) / (squared - abs(ax * wide - ay * tall))
-        front = squared - ax * wide - ay * tall
-        half = max(flank, abs(ax * tall - ay * wide) / front) + ANGLE_ERROR
-        by = front <= NEARBY * squared
-        fx, fy = c * mx + s * my, c * my - s * mx
-        behind = half_turn and fx < 0.0 and fx * fx > wide * wide + tall * tall
-        angle = _angle(fx, fy)
-        begin, stop = angle - half, angle + half
-        shift = math.tau if begin < -math.pi else 0.0
-        begin, stop = begin + shift, stop + shift
-        over = (stop - math.tau) * per_step + middle if stop > math.pi else -1.0
-        first = min(max(begin * per_step + middle, 0.0), all_beams + 1.0)
-        end = max(min(stop * per_step + middle, all_beams), -1.0)
-        over = max(min(over, all_beams), -1.0)
-        first, end, over = 0.0 if by else first, all_beams if by else end, -1.0 if by else over
-        dx, dy = max(left, -right, 0.0), max(low, -high, 0.0)
-        near[6, k] = dx * dx + dy * dy
-        spans[2, k] = np.int32(np.ceil(first))
-        spans[3, k] = np.int32(np.floor(-1.0 if behind else end))
-        spans[4, k] = np.int32(np.floor(-1.0 if behind else over))
-
-
-@part
 def _look_at(
     count: int, unseen: Tiles, blocks: NDArray[np.uint8], c: float, s: float,
     last: int, step: float, scratch: Scratch,
 ) -> np.int64:  # fmt: skip
     """``look`` at the tiles near by."""
     _, longest, bits, near, spans = scratch
-    _find_boxes(count, bits, near)
-    _find_spans(count, c, s, last, step, near, spans)
+    find_boxes(count, bits, near)
+    find_spans(count, c, s, last, step, near, spans)
     new = np.int64(0)
     for n in range(_sort_out(count, longest, near, spans)):
         k = spans[5, n]
         found = _passed(k, spans[6, n], spans[7, n], scratch)
-        if found != _NONE:
+        if found != NONE:
             row, column = spans[0, k], spans[1, k]
             bits[k] ^= found
             unseen[row, column] = bits[k]
-            new += _count(found)
-            if bits[k] == _NONE:
+            new += count_bits(found)
+            if bits[k] == NONE:
                 blocks[row // BLOCK, column // BLOCK] -= 1
     return new
 
@@ -253,10 +184,10 @@ def _longest(first: int, end: int, longest: Array) -> float:
     """The longest reach of some beams and a few beside them, squared, in cells; -1 of none."""
     some = end >= first
     begin = np.uint64(first if some else 0) // np.uint64(SPAN)
-    stop = np.uint64(end if some else 0) // np.uint64(SPAN) + _ONE
+    stop = np.uint64(end if some else 0) // np.uint64(SPAN) + ONE
     groups = stop - begin
-    level = np.uint64(_HIGHEST[min(groups, np.uint64(255))])
-    most = max(longest[level, begin], longest[level, stop - (_ONE << level)])
+    level = np.uint64(HIGHEST[min(groups, np.uint64(255))])
+    most = max(longest[level, begin], longest[level, stop - (ONE << level)])
     most = most if groups < np.uint64(256) else math.inf
     return most if some else -1.0
 
@@ -267,19 +198,19 @@ def _passed(k: int, first: int, end: int, scratch: Scratch) -> np.uint64:
     beams, _, all_bits, near, _ = scratch
     bits, x, y = all_bits[k], near[0, k], near[1, k]
     x0, x1, y0, y1 = near[2, k], near[3, k], near[4, k], near[5, k]
-    found = _NONE
+    found = NONE
     for at in range(first, end + 1, CHUNK):  # The box first, then the cells of each row.
-        if _crossing(x0, y0, x1, y1, at, beams) == _NONE:
+        if _crossing(x0, y0, x1, y1, at, beams) == NONE:
             continue
         for row in range(TILE):
-            cells = (bits >> np.uint64(TILE * row)) & _ROW_BITS
-            if cells == _NONE:
+            cells = (bits >> np.uint64(TILE * row)) & ROW_BITS
+            if cells == NONE:
                 continue
-            left, right = x + _LOWEST[cells], x + _HIGHEST[cells] + 1
+            left, right = x + LOWEST[cells], x + HIGHEST[cells] + 1
             crossing = _crossing(left, y + row, right, y + row + 1, at, beams)
-            while crossing != _NONE:
-                b = at + int(_count((crossing - _ONE) & ~crossing))
-                crossing &= crossing - _ONE
+            while crossing != NONE:
+                b = at + int(count_bits((crossing - ONE) & ~crossing))
+                crossing &= crossing - ONE
                 found |= bits & _along(b, x, y, left, y + row, right, y + row + 1, beams)
     return found
 
@@ -287,14 +218,14 @@ def _passed(k: int, first: int, end: int, scratch: Scratch) -> np.uint64:
 @part
 def _crossing(x0: float, y0: float, x1: float, y1: float, at: int, beams: Array) -> np.uint64:
     """Which of ``CHUNK`` beams have samples in a box, a bit a beam."""
-    crossing, begin_at = _NONE, np.uint64(at)
+    crossing, begin_at = NONE, np.uint64(at)
     for lane in range(np.uint64(CHUNK)):
         b = begin_at + lane
         xa, xb = x0 * beams[2, b], x1 * beams[2, b]
         ya, yb = y0 * beams[3, b], y1 * beams[3, b]
         begin = max(max(min(xa, xb), min(ya, yb)), 0.0)
         stop = min(min(max(xa, xb), max(ya, yb)), beams[4, b])
-        crossing |= (_ONE << lane) if np.floor(stop) >= np.ceil(begin) else _NONE
+        crossing |= (ONE << lane) if np.floor(stop) >= np.ceil(begin) else NONE
     return crossing
 
 
@@ -307,22 +238,12 @@ def _along(
     ya, yb = y0 * beams[3, b], y1 * beams[3, b]
     begin = max(max(min(xa, xb), min(ya, yb)), 0.0)
     stop = min(min(max(xa, xb), max(ya, yb)), beams[4, b])
-    found = _NONE
+    found = NONE
     for k in range(math.ceil(begin), math.floor(stop) + 1):
         column, row = math.floor(k * beams[0, b] - x), math.floor(k * beams[1, b] - y)
         if 0 <= column < TILE and 0 <= row < TILE:
-            found |= _ONE << np.uint64(TILE * row + column)
+            found |= ONE << np.uint64(TILE * row + column)
     return found
-
-
-@part
-def _count(bits: np.uint64) -> np.int64:
-    """How many bits are set."""
-    pairs = bits - ((bits >> _ONE) & np.uint64(0x5555555555555555))
-    fours = np.uint64(0x3333333333333333)
-    pairs = (pairs & fours) + ((pairs >> np.uint64(2)) & fours)
-    bytes_ = (pairs + (pairs >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)
-    return np.int64((bytes_ * _FIRST_COLUMN) >> np.uint64(56))
 
 
 def scratch_of(beams: int) -> Scratch:
@@ -360,4 +281,4 @@ def _kernel(sources: int) -> Any:
     return whole(look_once)
 
 
-look_once = _kernel(fingerprint(grid, kernel_parts, raycast_kernel))
+look_once = _kernel(fingerprint(grid, kernel_parts, raycast_kernel, tile_kernel))

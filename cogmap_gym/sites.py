@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cogmap_gym.coverage import reachable
-from cogmap_gym.coverage_kernel import Tiles, blocks_of, tiles_of
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.generator import is_office
 from cogmap_gym.geometry import Array, Points, Segments
 from cogmap_gym.grid import Grid
 from cogmap_gym.raycast_kernel import Ints
+from cogmap_gym.tile_kernel import Tiles, blocks_of, tiles_of
 from cogmap_gym.wall_cells import file_in_cells, lay_out_cells
 
 Map = str | Path | Mapping[str, Any] | FloorPlan

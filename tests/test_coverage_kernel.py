@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from cogmap_gym.coverage import Coverage
-from cogmap_gym.coverage_kernel import Tiles, blocks_of, tiles_of
 from cogmap_gym.floor_plan import FloorPlan
 from cogmap_gym.geometry import Pose
 from cogmap_gym.grid import mark_seen
 from cogmap_gym.observation import LaserSpec, RobotSpec
+from cogmap_gym.tile_kernel import Tiles, blocks_of, tiles_of
 from cogmap_gym.world import World
 from tests.rooms import l_room, room_with_pillar
 
