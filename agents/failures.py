@@ -27,7 +27,7 @@ from cogmap_gym.tasks import ARRIVED_M
 CAUSES = {
     "raised": "the robot raised an error",
     "unseen": "it did not see 95 % within the budget",
-    "not given": "it never came to the room in which the mark is given",
+    "not given": "it never stood well inside the room in which the mark is given",
     "lost": "it declared where it believed to be at the mark, and was not",
     "gave up": "it declared far from the mark by its own belief: it saw no way",
     "out of time": "its moves were used up",
@@ -55,11 +55,15 @@ class Miss:
 class Trace:
     """Keeps what was true, and what the robot believed, at each step."""
 
+    world: Any
+    """The truth."""
     poses: list[Any] = field(default_factory=list)
     believed: list[tuple[float, float]] = field(default_factory=list)
     phases: list[int] = field(default_factory=list)
     declared: dict[int, float | None] = field(default_factory=dict)
     """By phase: how far from the goal the robot believed to be when it declared [m]."""
+    shut: dict[int, frozenset[str]] = field(default_factory=dict)
+    """By phase: the doors that were shut in the end."""
 
     def __call__(
         self, _: int, observation: Observation, action: Any, info: dict[str, Any], agent: Any
@@ -67,6 +71,7 @@ class Trace:
         """Add a step."""
         self.poses.append(info["pose"])
         self.phases.append(info["phase"])
+        self.shut[info["phase"]] = frozenset(self.world.shut_doors)
         if isinstance(pose := getattr(agent, "pose", None), Pose):
             self.believed.append((pose.x, pose.y))
         goal = int(observation["goal"])
@@ -81,12 +86,13 @@ def examine(trial: Trial, folder: Path | None = None) -> list[Miss]:
         trial: what to run.
         folder: for a picture named after the trial, where it missed anything.
     """
-    agent, env, trace = make_agent(trial.agent, trial.seed), made_env(trial), Trace()
+    agent, env = make_agent(trial.agent, trial.seed), made_env(trial)
+    world: Any = env.unwrapped
+    trace = Trace(world.world)
     try:
         episode = run_episode(wrap(trial.agent, env), agent, trial.seed, trace)
     except Exception:  # noqa: BLE001 - what raises is one of the causes
         return [Miss(trial, 0, 0, "raised", traceback.format_exc().splitlines()[-1])]
-    world: Any = env.unwrapped
     misses = _misses(trial, episode, trace, world)
     if folder is not None and misses:
         folder.mkdir(parents=True, exist_ok=True)
@@ -102,7 +108,7 @@ def _figure(misses: Sequence[Miss], agent: Any, trace: Trace, world: Any) -> Fig
     lines = (_name(first.trial), *(f"{_goal(miss)}: {miss.told}" for miss in misses))
     return failure_figure(
         world.plan, poses, agent.sketch(), believed, world.task.marks, "; ".join(lines),
-        first.mark, way,
+        first.mark, way, trace.shut.get(first.phase, ()),
     )  # fmt: skip
 
 
@@ -113,17 +119,18 @@ def _misses(trial: Trial, episode: Episode, trace: Trace, world: Any) -> list[Mi
         mark = 0 if phase["task"] == "explore" else next(goals)
         if mark and not phase["success"]:
             off = float(episode.info["final_distance"][mark])
-            cause, told = _cause(mark in world.task.marks, number, phase["moves"], off, trace)
+            if mark in world.task.marks:
+                cause, told = _cause(number, phase["moves"], off, trace)
+            else:
+                cause, told = "not given", f"never stood well inside {world.task.mark_rooms[mark]}"
             found.append(Miss(trial, mark, number, cause, told))
     if trial.task == "explore" and not episode.is_success:
         found.append(Miss(trial, 0, 0, "unseen", f"saw {episode.info['coverage']:.1%}"))
     return found
 
 
-def _cause(given: bool, phase: int, moves: int, off: float, trace: Trace) -> tuple[str, str]:
-    """Why a goal was missed, and more of it in words."""
-    if not given:
-        return "not given", "its room was not entered"
+def _cause(phase: int, moves: int, off: float, trace: Trace) -> tuple[str, str]:
+    """Why a goal was missed whose mark was given, and more of it in words."""
     if phase not in trace.declared:
         return "out of time", f"{off:.1f} m off after {moves} moves"
     believed = trace.declared[phase]
