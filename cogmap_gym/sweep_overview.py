@@ -8,6 +8,8 @@ from typing import NamedTuple
 from cogmap_gym.statistics import Interval
 from cogmap_gym.sweep_table import EXPLORE, Cell, Row, grouped, quartiles, rank
 
+TASKS = (EXPLORE, "home", "goto", "shortcut")
+"""In the order of the columns."""
 COSTS = (("cpu_ms", "CPU a step [ms]", ".1f", 1.0), ("map_bytes", "map [kB]", ".0f", 1e-3))
 """Columns of medians: of the file, head, form, factor from the file's unit."""
 NOTE = (
@@ -48,7 +50,7 @@ def markdown(table: Overview) -> str:
 
 def _overview(odometry: str, dynamics: str, rows: Sequence[Row], found: Sequence[Cell]) -> Overview:
     here = {(c.agent, c.task): c for c in found if (c.odometry, c.dynamics) == (odometry, dynamics)}
-    tasks = list(dict.fromkeys(task for _, task in here))
+    tasks = sorted({task for _, task in here}, key=TASKS.index)
     robots = sorted({agent for agent, _ in here}, key=lambda name: (-_met(name, rows), name))
     head = ["robot"]
     for task in tasks:
