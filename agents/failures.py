@@ -27,7 +27,7 @@ from cogmap_gym.tasks import ARRIVED_M
 CAUSES = {
     "raised": "the robot raised an error",
     "unseen": "it did not see 95 % within the budget",
-    "not given": "it never stood well inside the room in which the mark is given",
+    "not given": "it had not stood well inside the room in which the mark is given",
     "lost": "it declared where it believed to be at the mark, and was not",
     "gave up": "it declared far from the mark by its own belief: it saw no way",
     "out of time": "its moves were used up",
@@ -119,10 +119,11 @@ def _misses(trial: Trial, episode: Episode, trace: Trace, world: Any) -> list[Mi
         mark = 0 if phase["task"] == "explore" else next(goals)
         if mark and not phase["success"]:
             off = float(episode.info["final_distance"][mark])
-            if mark in world.task.marks:
+            if phase["moves"]:
                 cause, told = _cause(number, phase["moves"], off, trace)
             else:
-                cause, told = "not given", f"never stood well inside {world.task.mark_rooms[mark]}"
+                room = world.task.mark_rooms[mark]
+                cause, told = "not given", f"had not stood well inside {room}"
             found.append(Miss(trial, mark, number, cause, told))
     if trial.task == "explore" and not episode.is_success:
         found.append(Miss(trial, 0, 0, "unseen", f"saw {episode.info['coverage']:.1%}"))
@@ -130,7 +131,7 @@ def _misses(trial: Trial, episode: Episode, trace: Trace, world: Any) -> list[Mi
 
 
 def _cause(phase: int, moves: int, off: float, trace: Trace) -> tuple[str, str]:
-    """Why a goal was missed whose mark was given, and more of it in words."""
+    """Why a goal was missed that the robot went for, and more of it in words."""
     if phase not in trace.declared:
         return "out of time", f"{off:.1f} m off after {moves} moves"
     believed = trace.declared[phase]
