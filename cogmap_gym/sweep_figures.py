@@ -58,7 +58,7 @@ def curves_figure(rows: Sequence[Row]) -> Figure | None:
     told = [row for row in rows if row["task"] == EXPLORE and row["distance_curve"]]
     if not told:
         return None
-    figure = Figure(figsize=(10.5, 4.2), layout="constrained")
+    figure = Figure(figsize=(12.0, 4.2), layout="constrained")
     axes, drawn = figure.subplots(1, 2, sharey=True), looks(rows)
     for ax, (column, end, axis) in zip(axes, CURVES, strict=True):
         for (agent,), group in sorted(grouped(told, ("agent",)).items()):
@@ -69,7 +69,9 @@ def curves_figure(rows: Sequence[Row]) -> Figure | None:
         ax.set(xlabel=axis, ylim=(0, 102), xlim=(0, end))
         ax.grid(alpha=0.3)
     axes[0].set_ylabel("free area seen [%]")
-    axes[1].legend(fontsize="small", loc="lower right")
+    figure.legend(
+        *axes[0].get_legend_handles_labels(), loc="outside right center", fontsize="small"
+    )
     return figure
 
 
