@@ -52,13 +52,13 @@ def _overview(odometry: str, dynamics: str, rows: Sequence[Row], found: Sequence
     here = {(c.agent, c.task): c for c in found if (c.odometry, c.dynamics) == (odometry, dynamics)}
     tasks = sorted({task for _, task in here}, key=TASKS.index)
     robots = sorted({agent for agent, _ in here}, key=lambda name: (-_met(name, rows), name))
-    head = ["robot"]
+    head = ["robot", "trials"]
     for task in tasks:
         head += ["explore: saw 95 %", "coverage AUC"] if task == EXPLORE else [task]
     by_agent = grouped(rows, ("agent",))
     lines = []
     for name in robots:
-        line = [name]
+        line = [name, str(len(by_agent[(name,)]))]
         for task in tasks:
             line += _told(here.get((name, task)), task)
         line += [_median(by_agent[(name,)], *cost) for cost in COSTS]

@@ -115,12 +115,13 @@ def test_at_a_glance_a_robot_is_a_line_the_best_first() -> None:
     low, high = overviews(rows, cells(rows, rng()))
     assert (low.odometry, high.odometry) == ("low", "high")
     assert low.head == (
-        "robot", "explore: saw 95 %", "coverage AUC", "goto", "CPU a step [ms]", "map [kB]"
+        "robot", "trials", "explore: saw 95 %", "coverage AUC", "goto", "CPU a step [ms]",
+        "map [kB]",
     )  # fmt: skip
-    assert [line[0] for line in low.lines] == ["a", "b"]
-    assert low.lines[0][3] == "88 % (75-100)"
-    assert low.lines[0][4] == "2.0"
-    assert low.lines[1][1:3] == ("-", "-"), "b never explored"
+    assert [line[:2] for line in low.lines] == [("a", "3"), ("b", "1")]
+    assert low.lines[0][4] == "88 % (75-100)"
+    assert low.lines[0][5] == "2.0"
+    assert low.lines[1][2:4] == ("-", "-"), "b never explored"
     told = markdown(low).splitlines()
     assert told[0] == "## low odometry"
     assert told[3].count("---") == len(low.head) == told[4].count("|") - 1
