@@ -4,12 +4,11 @@ Usage: python scripts/evaluate.py --agents cogmap,frontier_slam --tasks explore,
            --maps thesis_office,office:0,office:1 --odometry medium --seeds 5 --out DIR [--resume]
 
 Writes DIR/results.csv, a row a trial, DIR/report.html with its figures as PNG and PDF, and
-DIR/leaderboard.md. Rows
-are written as they come: after Ctrl-C, or a kill, --resume does only what is missing; it refuses to
-put rows of other code or parameters into the same table, unless --mix is given. --baseline names
-the robot that the others are compared with on the same trials. --quick is a small table in a few
-minutes. --ray ADDRESS runs the trials on a Ray cluster, --ray local on one started here (the extra
-`cluster`). Choose parameters on seeds and offices from 1000 up.
+DIR/leaderboard.md. Rows are written as they come: after Ctrl-C, or a kill, --resume does only what
+is missing; it refuses to put rows of other code or parameters into the same table, unless --mix is
+given. --baseline names the robot that the others are compared with on the same trials. --quick is a
+small table in a few minutes. --ray ADDRESS runs the trials on a Ray cluster, --ray local on one
+started here (the extra `cluster`). Choose parameters on seeds and offices from 1000 up.
 """
 
 from __future__ import annotations

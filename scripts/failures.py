@@ -74,11 +74,12 @@ def main(
         raise typer.BadParameter(str(error)) from error
     run = delayed(partial(examine, folder=out))
     jobs = Parallel(n_jobs=workers, return_as="generator_unordered")(run(t) for t in trials)
-    misses = [miss for found in track(jobs, "trials", total=len(trials)) for miss in found]
-    told = table(misses)
     out.mkdir(parents=True, exist_ok=True)
-    print(write_whole(out / "failures.md", told.encode()))
-    print(told)
+    path, misses = write_whole(out / "failures.md", table(()).encode()), []
+    for found in track(jobs, "trials", total=len(trials)):  # After Ctrl-C, what was done stands.
+        misses += found
+        write_whole(path, table(misses).encode())
+    print(table(misses), path, sep="\n")
 
 
 if __name__ == "__main__":

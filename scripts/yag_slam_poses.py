@@ -16,7 +16,7 @@ from yag_slam.models import LocalizedRangeScan
 from yag_slam.scan_matching import Scan2DMatcherCpp
 
 SHARE = 0.98
-"""Beams that reach so much of the range met nothing [1]."""
+"""Beams that reach so much of the range met nothing [1]. Ours."""
 
 
 def main(source: str, target: str) -> None:
