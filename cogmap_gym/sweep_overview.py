@@ -27,6 +27,12 @@ class Overview(NamedTuple):
     lines: list[tuple[str, ...]]
     """A robot each, the one that met most goals first."""
 
+    @property
+    def title(self) -> str:
+        """Its heading."""
+        life = "" if self.dynamics == "off" else f", dynamics {self.dynamics}"
+        return f"{self.odometry} odometry{life}"
+
 
 def overviews(rows: Sequence[Row], found: Sequence[Cell]) -> list[Overview]:
     """The tables of a sweep, the best odometry first.
@@ -43,9 +49,8 @@ def overviews(rows: Sequence[Row], found: Sequence[Cell]) -> list[Overview]:
 def markdown(table: Overview) -> str:
     """A table as Markdown, under a heading."""
     lines = [table.head, ("---",) * len(table.head), *table.lines]
-    life = "" if table.dynamics == "off" else f", dynamics {table.dynamics}"
     body = "\n".join(f"| {' | '.join(line)} |" for line in lines)
-    return f"## {table.odometry} odometry{life}\n\n{body}\n"
+    return f"## {table.title}\n\n{body}\n"
 
 
 def _overview(odometry: str, dynamics: str, rows: Sequence[Row], found: Sequence[Cell]) -> Overview:

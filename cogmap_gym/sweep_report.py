@@ -111,9 +111,7 @@ def _glance(rows: Sequence[Row], found: Sequence[Cell]) -> str:
     """A small table for each level of odometry."""
     parts = ["<h2>At a glance</h2>\n"]
     for told in overviews(rows, found):
-        life = "" if told.dynamics == "off" else f", dynamics {told.dynamics}"
-        title = html.escape(f"{told.odometry} odometry{life}")
-        parts.append(f"<h3>{title}</h3>\n{table(told.head, told.lines)}")
+        parts.append(f"<h3>{html.escape(told.title)}</h3>\n{table(told.head, told.lines)}")
     return "".join(parts) + f"<p>{NOTE}</p>"
 
 
