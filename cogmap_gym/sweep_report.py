@@ -109,10 +109,11 @@ def report_page(
 
 def _glance(rows: Sequence[Row], found: Sequence[Cell]) -> str:
     """A small table for each level of odometry."""
-    parts = ["<h2>At a glance</h2>\n"]
-    for told in overviews(rows, found):
-        parts.append(f"<h3>{html.escape(told.title)}</h3>\n{table(told.head, told.lines)}")
-    return "".join(parts) + f"<p>{NOTE}</p>"
+    parts = [
+        f"<h3>{html.escape(told.title)}</h3>\n{table(told.head, told.lines)}"
+        for told in overviews(rows, found)
+    ]
+    return f"<h2>At a glance</h2>\n{''.join(parts)}<p>{NOTE}</p>"
 
 
 def _leaderboard(task: str, found: Sequence[Cell]) -> str:
